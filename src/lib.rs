@@ -1,0 +1,8 @@
+//! `quadmosaic` turns a triangle surface into a quad-dominant mesh whose rows follow a cross field.
+//!
+//! The way there is a *mosaic*: equal square tiles laid over the surface, turned along the field and pushed
+//! into rows by repulsion. Tile centres become mesh vertices. See [`pipeline`] for the whole method in one function.
+
+pub mod export;
+pub mod mesh;
+pub mod surface;
