@@ -3,6 +3,10 @@
 //! The way there is a *mosaic*: equal square tiles laid over the surface, turned along the field and pushed
 //! into rows by repulsion. Tile centres become mesh vertices. See [`pipeline`] for the whole method in one function.
 
+pub mod compute;
 pub mod export;
+pub mod field;
+mod geometry;
 pub mod mesh;
+pub mod mosaic;
 pub mod surface;

@@ -1,7 +1,14 @@
 //! The output: from a mosaic to a polygon mesh.
 
 pub mod check;
+mod collapse;
+pub mod connect;
+pub mod fill;
+mod intrinsic;
 pub mod quality;
+pub mod triangulate;
+
+pub use triangulate::Triangulation;
 
 /// A polygon mesh: quads, triangles and, where holes were left, larger faces; counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,0 +1,95 @@
+//! The cross field: four directions 90 degrees apart at each point of the surface, following features and guides.
+//!
+//! # Theory
+//! A cross is held as `z = (cos 4t, sin 4t)`, `t` its angle against a fixed axis, so that its four directions are one
+//! number. Neighbour `j` is read in `i`'s frame through a unit complex number a link, computed once, and smoothing is
+//! `z_i <- sum_j w_ij r_ij z_j` with cotangent weights: the connection Laplacian of Knöppel et al. 2013 (*Globally
+//! optimal direction fields*), diffused and normalised as in Viertel and Osting 2019.
+//!
+//! # Changes versus the paper
+//! The paper (section 1) interpolates a vector field from control vectors. Here it is a cross field, and features and
+//! open boundaries guide it too.
+//!
+//! # Practice
+//! The unknowns are not vertices but *sectors*: a vertex on a feature has one a side, so that each side of a crease
+//! follows it on its own. A sector's angles are scaled to sum to 2 pi inside, to pi along a feature and to a multiple
+//! of 90 degrees at a corner, so that rows meet a feature squarely whatever its angle is in space.
+
+mod guides;
+mod hierarchy;
+mod sectors;
+pub mod smooth;
+
+pub use guides::Guide;
+pub use hierarchy::{Hierarchy, Level};
+pub use sectors::Sectors;
+
+use crate::compute::{Backend, ComputeError};
+use crate::geometry::{fourth_root, unit};
+use crate::surface::Surface;
+use glam::Vec3;
+
+/// A representation number `(cos 4t, sin 4t)`, or a weighted sum of such.
+pub type Complex = [f32; 2];
+
+/// A cross field over a surface.
+#[derive(Clone, Debug)]
+pub struct Field {
+    sectors: Sectors,
+    crosses: Vec<Complex>,
+    in_triangles: Vec<[Complex; 3]>,
+}
+
+impl Field {
+    /// The smoothest field that follows the surface's features and the guides.
+    ///
+    /// # Errors
+    /// Where the backend fails.
+    pub fn new(surface: &Surface, guides: &[Guide], backend: &dyn Backend) -> Result<Self, ComputeError> {
+        let sectors = Sectors::new(surface);
+        let pulls = guides::pulls(surface, &sectors, guides);
+        let hierarchy = Hierarchy::new(surface, &sectors, &pulls);
+        let crosses = backend.smooth_field(&hierarchy)?;
+        let in_triangles = sectors.in_triangles(&crosses);
+        Ok(Self { sectors, crosses, in_triangles })
+    }
+
+    /// The sectors of vertices that the field lives on.
+    pub fn sectors(&self) -> &Sectors {
+        &self.sectors
+    }
+
+    /// The cross of each sector, against the sector's first direction.
+    pub fn crosses(&self) -> &[Complex] {
+        &self.crosses
+    }
+
+    /// The crosses at the corners of each triangle, against the triangle's first edge.
+    pub fn in_triangles(&self) -> &[[Complex; 3]] {
+        &self.in_triangles
+    }
+
+    /// One direction of the cross at a point of a triangle: a unit vector in the triangle's plane.
+    pub(crate) fn axis(&self, surface: &Surface, triangle: u32, position: Vec3) -> Vec3 {
+        axis_at(surface.corners(triangle as usize), self.in_triangles[triangle as usize], position)
+    }
+}
+
+/// One direction of the cross at a point of a triangle; the twin of `axis_at` in `shaders/relax.wgsl`.
+pub(crate) fn axis_at(corners: [Vec3; 3], z: [Complex; 3], position: Vec3) -> Vec3 {
+    use crate::geometry::{cross, dot};
+    let [a, b, c] = corners;
+    let double_area = cross(b - a, c - a);
+    let normal = unit(double_area);
+    let total = dot(double_area, normal);
+    let wb = (dot(cross(c - a, position - a), normal) / total * -1.0).clamp(0.0, 1.0);
+    let wc = (dot(cross(b - a, position - a), normal) / total).clamp(0.0, 1.0);
+    let wa = (1.0 - wb - wc).max(0.0);
+    let blend = [
+        z[0][0] * wa + z[1][0] * wb + z[2][0] * wc,
+        z[0][1] * wa + z[1][1] * wb + z[2][1] * wc,
+    ];
+    let (x, y) = fourth_root(blend);
+    let first = unit(b - a);
+    first * x + cross(normal, first) * y
+}

@@ -1,0 +1,189 @@
+//! Sectors: the parts into which feature edges cut the triangles round a vertex, with their angles.
+
+use super::Complex;
+use crate::surface::{NONE, Surface, next, next_corner, previous, previous_corner};
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// The sectors of a surface. A corner is named by the half-edge that leaves it.
+#[derive(Clone, Debug)]
+pub struct Sectors {
+    /// The sector of each corner of a triangle (three a triangle).
+    pub of_corner: Vec<u32>,
+    /// The first corner of each sector, counter-clockwise: its half-edge is direction zero.
+    pub first_corner: Vec<u32>,
+    /// Quarter turns that a sector's angles are scaled to; 0: a whole vertex without features.
+    pub quarters: Vec<u8>,
+    /// Where the sectors of each vertex start in `at_vertex`; one more than vertices.
+    vertex_starts: Vec<u32>,
+    at_vertex: Vec<u32>,
+    /// Scaled angle, in radians from the sector's direction zero, at which each corner begins.
+    begin: Vec<f64>,
+    /// Scaled angle at which it ends.
+    end: Vec<f64>,
+    /// Unscaled angle of each corner.
+    corner_angle: Vec<f64>,
+}
+
+impl Sectors {
+    /// Cuts the surroundings of each vertex along feature edges and measures the parts.
+    pub fn new(surface: &Surface) -> Self {
+        let features = surface.features();
+        let barrier = |h: u32| features.is_feature(h);
+        let count = 3 * surface.triangle_count();
+        let corner_angle: Vec<f64> = (0..count as u32).into_par_iter().map(|h| corner_angle(surface, h)).collect();
+        let mut sectors = Self {
+            of_corner: vec![NONE; count],
+            first_corner: Vec::new(),
+            quarters: Vec::new(),
+            vertex_starts: vec![0; surface.vertex_count() + 1],
+            at_vertex: Vec::new(),
+            begin: vec![0.0; count],
+            end: vec![0.0; count],
+            corner_angle,
+        };
+        for corner in 0..count as u32 {
+            if sectors.of_corner[corner as usize] == NONE {
+                let mut first = corner;
+                while let Some(before) = previous_corner(surface, barrier, first) {
+                    first = before;
+                    if first == corner {
+                        break;
+                    }
+                }
+                sectors.add(surface, first);
+            }
+        }
+        sectors.group_by_vertex(surface);
+        sectors
+    }
+
+    fn group_by_vertex(&mut self, surface: &Surface) {
+        let vertex: Vec<usize> = self.first_corner.iter().map(|&c| surface.origin(c) as usize).collect();
+        vertex.iter().for_each(|&v| self.vertex_starts[v + 1] += 1);
+        for v in 1..self.vertex_starts.len() {
+            self.vertex_starts[v] += self.vertex_starts[v - 1];
+        }
+        let mut place = self.vertex_starts.clone();
+        self.at_vertex = vec![0; vertex.len()];
+        for (sector, &v) in vertex.iter().enumerate() {
+            self.at_vertex[place[v] as usize] = sector as u32;
+            place[v] += 1;
+        }
+    }
+
+    /// The sectors at a vertex, in order.
+    pub fn of_vertex(&self, vertex: u32) -> &[u32] {
+        let v = vertex as usize;
+        &self.at_vertex[self.vertex_starts[v] as usize..self.vertex_starts[v + 1] as usize]
+    }
+
+    fn add(&mut self, surface: &Surface, first: u32) {
+        let features = surface.features();
+        let barrier = |h: u32| features.is_feature(h);
+        let id = self.first_corner.len() as u32;
+        let mut total = 0.0;
+        let mut at = first;
+        loop {
+            self.of_corner[at as usize] = id;
+            self.begin[at as usize] = total;
+            total += self.corner_angle[at as usize];
+            self.end[at as usize] = total;
+            match next_corner(surface, barrier, at) {
+                Some(corner) if corner != first => at = corner,
+                _ => break,
+            }
+        }
+        let whole = !barrier(first);
+        let quarters = if whole {
+            0
+        } else if barrier_only_once(surface, first, at) {
+            4
+        } else if features.is_corner(surface.origin(first)) {
+            ((total / FRAC_PI_2).round() as u8).clamp(1, 8)
+        } else {
+            2
+        };
+        let target = if whole { TAU } else { f64::from(quarters) * FRAC_PI_2 };
+        let scale = if total > 0.0 { target / total } else { 0.0 };
+        let mut at = first;
+        loop {
+            self.begin[at as usize] *= scale;
+            self.end[at as usize] *= scale;
+            match next_corner(surface, barrier, at) {
+                Some(corner) if corner != first => at = corner,
+                _ => break,
+            }
+        }
+        self.first_corner.push(first);
+        self.quarters.push(quarters);
+    }
+
+    /// The number of sectors.
+    pub fn count(&self) -> usize {
+        self.first_corner.len()
+    }
+
+    /// The corners of a sector, counter-clockwise.
+    pub(crate) fn corners<'a>(&'a self, surface: &'a Surface, sector: u32) -> impl Iterator<Item = u32> + 'a {
+        let first = self.first_corner[sector as usize];
+        let mut at = Some(first);
+        std::iter::from_fn(move || {
+            let corner = at?;
+            at = next_corner(surface, |h| surface.features().is_feature(h), corner).filter(|&c| c != first);
+            Some(corner)
+        })
+    }
+
+    /// The unscaled angle of a corner, in radians.
+    pub(crate) fn corner_angle(&self, corner: u32) -> f64 {
+        self.corner_angle[corner as usize]
+    }
+
+    /// The scaled angle of a direction that lies `angle` radians (unscaled) past a corner's half-edge.
+    pub(crate) fn direction(&self, corner: u32, angle: f64) -> f64 {
+        let c = corner as usize;
+        let share = if self.corner_angle[c] > 0.0 { angle / self.corner_angle[c] } else { 0.0 };
+        self.begin[c] + share * (self.end[c] - self.begin[c])
+    }
+
+    /// The angle that reads a cross at the far end of a half-edge in the frame of the sector it leaves: add it.
+    pub(crate) fn transport(&self, half_edge: u32) -> f64 {
+        self.begin[half_edge as usize] - self.end[next(half_edge) as usize]
+    }
+
+    /// The crosses at the three corners of each triangle, against the triangle's first edge.
+    pub(crate) fn in_triangles(&self, crosses: &[Complex]) -> Vec<[Complex; 3]> {
+        (0..self.of_corner.len() / 3)
+            .into_par_iter()
+            .map(|t| {
+                let turn_at = [1, 2].map(|k| std::f64::consts::PI - self.corner_angle[3 * t + k]);
+                let edge = [0.0, turn_at[0], turn_at[0] + turn_at[1]];
+                [0, 1, 2].map(|k| {
+                    let c = 3 * t + k;
+                    let middle = (self.begin[c] + self.end[c]) / 2.0;
+                    let turn = edge[k] + self.corner_angle[c] / 2.0 - middle;
+                    rotate(crosses[self.of_corner[c] as usize], turn)
+                })
+            })
+            .collect()
+    }
+}
+
+/// Turns a representation number by a tangent angle in radians.
+pub(crate) fn rotate(z: Complex, angle: f64) -> Complex {
+    let (s, c) = (4.0 * angle).sin_cos();
+    let [x, y] = z.map(f64::from);
+    [(x * c - y * s) as f32, (x * s + y * c) as f32]
+}
+
+fn barrier_only_once(surface: &Surface, first: u32, last: u32) -> bool {
+    surface.twin(first) == Some(previous(last))
+}
+
+fn corner_angle(surface: &Surface, corner: u32) -> f64 {
+    let [o, p, q] = [corner, next(corner), previous(corner)]
+        .map(|h| surface.points[surface.origin(h) as usize].as_dvec3());
+    let (u, v) = (p - o, q - o);
+    u.cross(v).length().atan2(u.dot(v))
+}

@@ -1,0 +1,66 @@
+//! Vector arithmetic in the exact order of operations that the WGSL kernels use.
+//!
+//! `glam`'s `normalize` multiplies by a reciprocal, which differs from WGSL's in the last bit; these do not.
+
+use glam::Vec3;
+
+/// `a · b`, summed left to right.
+#[inline]
+pub(crate) fn dot(a: Vec3, b: Vec3) -> f32 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+/// `a × b`.
+#[inline]
+pub(crate) fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
+
+/// `a / |a|`; the zero vector stays zero.
+#[inline]
+pub(crate) fn unit(a: Vec3) -> Vec3 {
+    let length = dot(a, a).sqrt();
+    if length > 0.0 { a / length } else { a }
+}
+
+/// The half of a plane angle: `(cos t, sin t)` to `(cos t/2, sin t/2)`, with the result in the right half plane.
+#[inline]
+fn half_angle(c: f32, s: f32) -> (f32, f32) {
+    if c >= 0.0 {
+        let x = ((1.0 + c) * 0.5).sqrt();
+        (x, s / (2.0 * x))
+    } else {
+        let y = ((1.0 - c) * 0.5).sqrt();
+        let x = s.abs() / (2.0 * y);
+        (x, if s < 0.0 { -y } else { y })
+    }
+}
+
+/// One of the four directions of a cross from its representation `z = (cos 4t, sin 4t)`: `(cos t, sin t)`.
+///
+/// No trigonometry, so that the kernels can do the same bit for bit. A `z` of length zero gives direction `(1, 0)`.
+#[inline]
+pub(crate) fn fourth_root(z: [f32; 2]) -> (f32, f32) {
+    let length = (z[0] * z[0] + z[1] * z[1]).sqrt();
+    if length > 0.0 {
+        let (c, s) = half_angle(z[0] / length, z[1] / length);
+        half_angle(c, s)
+    } else {
+        (1.0, 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fourth_root_inverts_the_fourth_power() {
+        for degree in -44..=44 {
+            let t = (degree as f32).to_radians();
+            let (c, s) = fourth_root([(4.0 * t).cos(), (4.0 * t).sin()]);
+            assert!((c - t.cos()).abs() < 1e-5 && (s - t.sin()).abs() < 1e-5, "{degree} degrees: {c} {s}");
+        }
+        assert_eq!(fourth_root([0.0, 0.0]), (1.0, 0.0));
+    }
+}

@@ -1,0 +1,255 @@
+//! Taking vertices out of an intrinsic triangulation.
+//!
+//! # Theory
+//! A vertex loses its edges one by one to flips, which are exact, until only three are left (two and one a side on a
+//! feature); then it is pulled into a neighbour, which is exact too where the surface is flat. Only where flips are
+//! refused (a second edge between two vertices would come about) are lengths estimated, by unfolding round the vertex.
+
+use super::intrinsic::{Intrinsic, angle, next, previous, third_side};
+use crate::surface::NONE;
+use std::f64::consts::{PI, TAU};
+
+/// The faces round a vertex `v` that is about to be pulled into `x`: face `i` is `(v, w_i, w_i+1)`, `w_0 = x`.
+struct Fan {
+    /// Half-edges `v -> w_i`.
+    spokes: Vec<u32>,
+    /// `w_i`; on a boundary one more than spokes.
+    around: Vec<u32>,
+    /// Whether the faces go all the way round.
+    closed: bool,
+}
+
+impl Intrinsic {
+    /// Takes a vertex out. One on a feature (two locked edges) goes into a neighbour along it.
+    ///
+    /// False where the topology of the surface needs the vertex: no neighbour can take it without a double edge.
+    pub fn remove(&mut self, vertex: u32, ring: &mut Vec<u32>) -> bool {
+        loop {
+            let closed = self.ring(vertex, ring);
+            if closed && ring.len() <= 3 || !ring.iter().any(|&h| self.flip(h)) {
+                break;
+            }
+        }
+        let closed = self.ring(vertex, ring);
+        let on_feature = !closed || ring.iter().any(|&h| self.locked[h as usize]);
+        let mut ways: Vec<u32> = if closed { ring.clone() } else { vec![ring[0]] };
+        ways.retain(|&h| !on_feature || self.locked[h as usize]);
+        ways.sort_by(|&g, &h| self.length[g as usize].total_cmp(&self.length[h as usize]).then(g.cmp(&h)));
+        ways.into_iter().any(|h| {
+            let fan = self.fan(h, ring, closed);
+            let fits = self.may_collapse(&fan);
+            if fits {
+                self.collapse(&fan);
+            }
+            fits
+        })
+    }
+
+    fn fan(&self, h: u32, ring: &[u32], closed: bool) -> Fan {
+        let start = ring.iter().position(|&e| e == h).unwrap_or(0);
+        let spokes: Vec<u32> = (0..ring.len()).map(|i| ring[(start + i) % ring.len()]).collect();
+        let mut around: Vec<u32> = spokes.iter().map(|&e| self.target(e)).collect();
+        if !closed {
+            around.push(self.origin[previous(spokes[spokes.len() - 1]) as usize]);
+        }
+        Fan { spokes, around, closed }
+    }
+
+    /// The link condition: `v` and `x` have only the corners opposite their edge in common.
+    fn may_collapse(&self, fan: &Fan) -> bool {
+        let x = fan.around[0];
+        let count = fan.spokes.len();
+        let (c, d) = (fan.around[1], fan.around[fan.around.len() - 1]);
+        let v = self.origin[fan.spokes[0] as usize];
+        let mut shared = 0;
+        self.visit_neighbours(x, |w| shared += usize::from(w != v && fan.around.contains(&w)));
+        if fan.closed {
+            if c == d || shared != 2 || count < 3 || (self.on_boundary(v) && self.on_boundary(x)) {
+                return false;
+            }
+            // With three faces the one that is left must not be there already on its far side.
+            let far = self.twin[next(fan.spokes[1]) as usize];
+            count > 3 || far == NONE || self.origin[previous(far) as usize] != x
+        } else {
+            // A lone triangle stays.
+            shared == 1 && (count > 1 || self.twin[next(fan.spokes[0]) as usize] != NONE)
+        }
+    }
+
+    fn on_boundary(&self, vertex: u32) -> bool {
+        let start = self.leaving[vertex as usize];
+        let mut h = start;
+        loop {
+            h = self.twin[previous(h) as usize];
+            if h == NONE || h == start {
+                return h == NONE;
+            }
+        }
+    }
+
+    /// The direction, at `v`, of each neighbour from `x` on, scaled so that a turn is 2 pi and a feature is straight.
+    fn places(&self, fan: &Fan) -> Vec<f64> {
+        let feature = if fan.closed {
+            (1..fan.spokes.len()).find(|&i| self.locked[fan.spokes[i] as usize])
+        } else {
+            Some(fan.spokes.len())
+        };
+        let spans = match feature {
+            Some(at) => vec![(0..at, PI), (at..fan.spokes.len(), PI)],
+            None => vec![(0..fan.spokes.len(), TAU)],
+        };
+        let mut places = vec![0.0];
+        for (span, whole) in spans {
+            let angles: Vec<f64> = span.map(|i| self.corner(fan.spokes[i])).collect();
+            let total: f64 = angles.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+            let begin = places[places.len() - 1];
+            let mut passed = 0.0;
+            for a in angles {
+                passed += a;
+                places.push(begin + whole * passed / total);
+            }
+        }
+        places
+    }
+
+    /// Rewrites the faces round `v` as faces round `x`; the one or two that hold both vanish.
+    fn collapse(&mut self, fan: &Fan) {
+        let Fan { spokes, around, closed } = fan;
+        let (x, count) = (around[0], spokes.len());
+        let v = self.origin[spokes[0] as usize];
+        let stay = if *closed { 1..count - 1 } else { 1..count };
+        let places = self.places(fan);
+        let to_v: Vec<f64> = (0..around.len())
+            .map(|i| if i < count { self.length[spokes[i] as usize] } else { self.length[previous(spokes[i - 1]) as usize] })
+            .collect();
+        let mut to_x: Vec<f64> = (0..around.len()).map(|i| third_side(to_v[0], to_v[i], places[i])).collect();
+        to_x[1] = self.length[next(spokes[0]) as usize];
+        if *closed {
+            to_x[count - 1] = self.length[next(spokes[count - 1]) as usize];
+        }
+
+        self.turn_towards(fan, &places, &to_v, &to_x);
+        self.share_directions(fan, &to_x);
+        let near = self.side_beyond(next(spokes[0]), spokes[1 % count]);
+        let far = closed.then(|| self.side_beyond(next(spokes[count - 1]), spokes[count - 1]));
+        self.widen_at_opposites(fan, near.0, far.map(|f| f.0));
+
+        for i in stay.clone() {
+            let e = spokes[i] as usize;
+            self.origin[e] = x;
+            self.length[e] = to_x[i];
+            self.length[previous(spokes[i]) as usize] = to_x[(i + 1) % around.len()];
+            self.leaving[around[i] as usize] = next(spokes[i]);
+            self.leaving[around[(i + 1) % around.len()] as usize] = previous(spokes[i]);
+            self.leaving[x as usize] = spokes[i];
+        }
+        if stay.is_empty() {
+            // An ear: the edge beyond it is the boundary now.
+            self.twin[near.0 as usize] = NONE;
+            self.locked[near.0 as usize] = true;
+            self.leaving[x as usize] = next(near.0);
+            self.leaving[around[1] as usize] = near.0;
+        } else {
+            self.join(spokes[1], near);
+            if let Some(far) = far {
+                self.join(previous(spokes[count - 2]), far);
+            }
+        }
+        for e in [Some(spokes[0]), closed.then(|| spokes[count - 1])].into_iter().flatten() {
+            for k in 0..3 {
+                self.origin[(e / 3 * 3 + k) as usize] = NONE;
+            }
+        }
+        self.leaving[v as usize] = NONE;
+    }
+
+    /// The half-edge beyond a side that is about to coincide with a spoke, and whether either is a feature.
+    fn side_beyond(&self, side: u32, spoke: u32) -> (u32, bool) {
+        (self.twin[side as usize], self.locked[side as usize] || self.locked[spoke as usize])
+    }
+
+    fn join(&mut self, inner: u32, (outer, locked): (u32, bool)) {
+        self.glue(inner, outer);
+        self.locked[inner as usize] = locked;
+        if outer != NONE {
+            self.locked[outer as usize] = locked;
+        }
+    }
+
+    /// At the neighbours that get an edge to `x` in place of that to `v`, its direction.
+    fn turn_towards(&mut self, fan: &Fan, places: &[f64], to_v: &[f64], to_x: &[f64]) {
+        let last = if fan.closed { fan.spokes.len() - 1 } else { fan.spokes.len() };
+        for i in 2..last {
+            if self.locked[fan.spokes[i] as usize] {
+                continue;
+            }
+            let turn = angle(to_v[i], to_x[i], to_v[0]) * if places[i] <= PI { 1.0 } else { -1.0 };
+            let (before, after) = (next(fan.spokes[i]), previous(fan.spokes[i - 1]));
+            let turn = turn.clamp(-0.9 * self.width(before), 0.9 * self.width(after));
+            self.end[before as usize] += turn;
+            self.begin[after as usize] += turn;
+        }
+    }
+
+    /// At `x`, the directions of the vanishing corners go to the faces that come, by their angles.
+    fn share_directions(&mut self, fan: &Fan, to_x: &[f64]) {
+        let Fan { spokes, around, closed } = fan;
+        let count = spokes.len();
+        let left = next(spokes[0]);
+        let left = (self.begin[left as usize], self.width(left));
+        let stay = if *closed { 1..count - 1 } else { 1..count };
+        let mut fill = |s: &mut Self, span: std::ops::Range<usize>, begin: f64, width: f64| {
+            let angles: Vec<f64> = span
+                .clone()
+                .map(|i| angle(to_x[i], to_x[(i + 1) % around.len()], s.length[next(spokes[i]) as usize]))
+                .collect();
+            let total: f64 = angles.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+            let mut at = begin;
+            for (i, angle) in span.zip(angles) {
+                s.begin[spokes[i] as usize] = at;
+                at += width * angle / total;
+                s.end[spokes[i] as usize] = at;
+            }
+        };
+        if !closed {
+            return fill(self, stay, left.0, left.1);
+        }
+        let right = previous(spokes[count - 1]);
+        let right = (self.begin[right as usize], self.width(right));
+        match (1..count).find(|&i| self.locked[spokes[i] as usize]) {
+            Some(feature) => {
+                fill(self, stay.start..feature.min(stay.end), left.0, left.1);
+                fill(self, feature..stay.end.max(feature), right.0, right.1);
+                // A feature that comes to lie on an edge of `x` that was none leaves one side without a face.
+                let (near, far) = (self.twin[next(spokes[0]) as usize], self.twin[next(spokes[count - 1]) as usize]);
+                if feature == 1 && near != NONE {
+                    self.end[next(near) as usize] += left.1;
+                }
+                if feature == count - 1 && far != NONE {
+                    self.begin[far as usize] -= right.1;
+                }
+            }
+            None => fill(self, stay, left.0, left.1 + right.1),
+        }
+    }
+
+    /// At the two corners opposite the edge `v x`, a kept face takes over the directions of the vanishing one.
+    fn widen_at_opposites(&mut self, fan: &Fan, near: u32, far: Option<u32>) {
+        let spokes = &fan.spokes;
+        let count = spokes.len();
+        let width = self.width(previous(spokes[0]));
+        if count > 1 && !self.locked[spokes[1] as usize] {
+            self.end[next(spokes[1]) as usize] += width;
+        } else if near != NONE {
+            self.begin[near as usize] -= width;
+        }
+        if let Some(far) = far {
+            let width = self.width(next(spokes[count - 1]));
+            if !self.locked[spokes[count - 1] as usize] {
+                self.begin[previous(spokes[count - 2]) as usize] -= width;
+            } else if far != NONE {
+                self.end[next(far) as usize] += width;
+            }
+        }
+    }
+}

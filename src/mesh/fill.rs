@@ -1,0 +1,259 @@
+//! From the connected mosaic to faces: quads as they are, holes split at least cost (the paper, section 3, figure 4).
+//!
+//! # Theory
+//! A hole is a face of more than four sides. One of `k` sides is split by chords into quads and, where `k` is odd, one
+//! triangle; dynamic programming over chords finds the split of least cost.
+//!
+//! # Changes versus the paper
+//! Figure 4's patterns are not in our text, and other holes were left or triangulated; here every hole is split, of any
+//! degree. What lies inside a face is known from the [triangulation](super::triangulate), so a face that is no disc (a
+//! tile without edges inside it) falls back to its triangles.
+
+use super::Mesh;
+use super::intrinsic::{Intrinsic, next};
+use super::quality::{quad_shape, triangle_shape};
+use super::triangulate::Triangulation;
+use crate::surface::NONE;
+use glam::DVec3;
+use rustc_hash::FxHashSet;
+
+/// What to do with holes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Holes {
+    /// Split into quads and at most one triangle each.
+    #[default]
+    Patterns,
+    /// Split into triangles (the paper's "trivial strategy").
+    Triangles,
+    /// Left as faces of more than four sides.
+    Leave,
+}
+
+/// Holes of more sides are cut in two first.
+const LARGEST: usize = 14;
+/// The cost of a triangle, against that of a quad of shape 0.
+const TRIANGLE: f64 = 1.0;
+/// The cost of a face that is concave or faces the wrong way.
+const FOLDED: f64 = 10.0;
+
+/// The faces that the edges of the mesh enclose, holes treated as asked; and how many holes there were.
+pub fn fill(triangulation: &Triangulation, edges: &[bool], holes: Holes) -> (Mesh, usize) {
+    let mut filler = Filler::new(triangulation, edges);
+    let mut mesh = Mesh::new(triangulation.points.iter().map(|p| p.to_array()).collect());
+    let faces = &triangulation.faces;
+    let mut count = 0;
+    for face in 0..faces.face_count() as u32 {
+        if !filler.seen[face as usize] {
+            let region = filler.region(face);
+            count += usize::from(filler.treat(region, holes, &mut mesh));
+        }
+    }
+    (mesh, count)
+}
+
+struct Filler<'a> {
+    triangulation: &'a Triangulation,
+    faces: &'a Intrinsic,
+    edges: Vec<bool>,
+    /// Triangles that a region has taken.
+    seen: Vec<bool>,
+    chords: FxHashSet<[u32; 2]>,
+}
+
+impl<'a> Filler<'a> {
+    fn new(triangulation: &'a Triangulation, edges: &[bool]) -> Self {
+        let faces = &triangulation.faces;
+        let seen = vec![false; faces.face_count()];
+        Self { triangulation, faces, edges: edges.to_vec(), seen, chords: FxHashSet::default() }
+    }
+
+    /// The triangles that are joined to this one across no edge of the mesh.
+    fn region(&mut self, face: u32) -> Vec<u32> {
+        self.seen[face as usize] = true;
+        let mut region = vec![face];
+        let mut at = 0;
+        while at < region.len() {
+            for h in 3 * region[at]..3 * region[at] + 3 {
+                let twin = self.faces.twin[h as usize];
+                if !self.edges[h as usize] && twin != NONE && !self.seen[twin as usize / 3] {
+                    self.seen[twin as usize / 3] = true;
+                    region.push(twin / 3);
+                }
+            }
+            at += 1;
+        }
+        region
+    }
+
+    /// Adds the region's faces to the mesh; true where it was a hole.
+    fn treat(&mut self, region: Vec<u32>, holes: Holes, mesh: &mut Mesh) -> bool {
+        let Some(polygon) = self.polygon(&region) else {
+            self.split_region(region, holes, mesh);
+            return true;
+        };
+        match (polygon.len(), holes) {
+            (3, _) => mesh.push_face(&polygon),
+            (4, _) if self.face_cost(&polygon) < FOLDED => mesh.push_face(&polygon),
+            (4, _) => self.split_polygon(&polygon, holes, mesh),
+            (_, Holes::Leave) => mesh.push_face(&polygon),
+            (_, Holes::Triangles) => self.split_polygon(&polygon, holes, mesh),
+            (k, Holes::Patterns) if k <= LARGEST => self.split_polygon(&polygon, holes, mesh),
+            _ => self.split_region(region, holes, mesh),
+        }
+        polygon.len() > 4
+    }
+
+    /// The border of a region, where that is one loop that meets no vertex twice and leaves none inside.
+    fn polygon(&self, region: &[u32]) -> Option<Vec<u32>> {
+        let first = region.iter().flat_map(|&f| 3 * f..3 * f + 3).find(|&h| self.edges[h as usize])?;
+        let mut polygon = Vec::with_capacity(region.len() + 2);
+        let mut h = first;
+        loop {
+            polygon.push(self.faces.origin[h as usize]);
+            h = next(h);
+            while !self.edges[h as usize] {
+                h = next(self.faces.twin[h as usize]);
+            }
+            if h == first {
+                break;
+            }
+            if polygon.len() > region.len() + 2 {
+                return None;
+            }
+        }
+        let mut sorted = polygon.clone();
+        sorted.sort_unstable();
+        let simple = sorted.windows(2).all(|w| w[0] != w[1]);
+        (simple && polygon.len() == region.len() + 2).then_some(polygon)
+    }
+
+    /// Makes the inner edge of a region that suits best an edge of the mesh and treats what is left on either side.
+    fn split_region(&mut self, region: Vec<u32>, holes: Holes, mesh: &mut Mesh) {
+        let lonely = |v: u32, s: &Self| {
+            let mut ring = Vec::new();
+            s.faces.ring(v, &mut ring);
+            ring.iter().filter(|&&h| s.edges[h as usize]).count()
+        };
+        let inner = region.iter().flat_map(|&f| 3 * f..3 * f + 3).filter(|&h| !self.edges[h as usize]);
+        // Tiles with few edges first; then the edge along the rows that is nearest to a tile side.
+        let best = inner
+            .map(|h| {
+                let (a, b) = (self.faces.origin[h as usize], self.faces.target(h));
+                let needed = lonely(a, self).min(lonely(b, self)).min(2);
+                let side = f64::from(self.triangulation.tiles[a as usize].h);
+                let off = |e: u32| {
+                    let quarter = self.faces.begin[e as usize] / std::f64::consts::FRAC_PI_2;
+                    (quarter - quarter.round()).abs()
+                };
+                let cost = off(h) + off(self.faces.twin[h as usize]) + (self.faces.length[h as usize] / side - 1.0).abs();
+                (needed, cost, h)
+            })
+            .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+        let Some((_, _, h)) = best else {
+            // Only triangles are left.
+            for &f in &region {
+                mesh.push_face(&[0, 1, 2].map(|k| self.faces.origin[3 * f as usize + k]));
+            }
+            return;
+        };
+        let twin = self.faces.twin[h as usize];
+        self.edges[h as usize] = true;
+        self.edges[twin as usize] = true;
+        region.iter().for_each(|&f| self.seen[f as usize] = false);
+        for face in region {
+            if !self.seen[face as usize] {
+                let part = self.region(face);
+                self.treat(part, holes, mesh);
+            }
+        }
+    }
+
+    fn split_polygon(&mut self, polygon: &[u32], holes: Holes, mesh: &mut Mesh) {
+        let mut parts = Vec::new();
+        self.cut(polygon, holes != Holes::Triangles, &mut parts);
+        for part in parts {
+            for i in 0..part.len() {
+                let (a, b) = (part[i], part[(i + 1) % part.len()]);
+                self.chords.insert([a.min(b), a.max(b)]);
+            }
+            mesh.push_face(&part);
+        }
+    }
+
+    /// Dynamic programming over chords: the least cost of the part of the polygon from `i` to `j`, and how it is cut.
+    fn cut(&self, polygon: &[u32], quads: bool, parts: &mut Vec<Vec<u32>>) {
+        let k = polygon.len();
+        let at = |i: usize, j: usize| i * k + j;
+        let mut cost = vec![0.0; k * k];
+        let mut cuts: Vec<[usize; 2]> = vec![[usize::MAX; 2]; k * k];
+        for span in 2..k {
+            for i in 0..k - span {
+                let j = i + span;
+                let mut best = (f64::INFINITY, [usize::MAX; 2]);
+                for m in i + 1..j {
+                    let face = [polygon[i], polygon[m], polygon[j]];
+                    let total = cost[at(i, m)] + cost[at(m, j)] + self.face_cost(&face);
+                    if total < best.0 {
+                        best = (total, [m, usize::MAX]);
+                    }
+                    for n in m + 1..if quads { j } else { m + 1 } {
+                        let face = [polygon[i], polygon[m], polygon[n], polygon[j]];
+                        let total = cost[at(i, m)] + cost[at(m, n)] + cost[at(n, j)] + self.face_cost(&face);
+                        if total < best.0 {
+                            best = (total, [m, n]);
+                        }
+                    }
+                }
+                let chord = if span + 1 < k { self.chord_cost(polygon[i], polygon[j]) } else { 0.0 };
+                cost[at(i, j)] = best.0 + chord;
+                cuts[at(i, j)] = best.1;
+            }
+        }
+        let mut open = vec![[0, k - 1]];
+        while let Some([i, j]) = open.pop() {
+            if j < i + 2 {
+                continue;
+            }
+            let [m, n] = cuts[at(i, j)];
+            if n == usize::MAX {
+                parts.push(vec![polygon[i], polygon[m], polygon[j]]);
+                open.extend([[m, j], [i, m]]);
+            } else {
+                parts.push(vec![polygon[i], polygon[m], polygon[n], polygon[j]]);
+                open.extend([[n, j], [m, n], [i, m]]);
+            }
+        }
+    }
+
+    /// A chord that would be a second edge between its ends costs more than any split without it.
+    fn chord_cost(&self, a: u32, b: u32) -> f64 {
+        let taken = self.chords.contains(&[a.min(b), a.max(b)]) || {
+            let mut ring = Vec::new();
+            self.faces.ring(a, &mut ring);
+            ring.iter().any(|&h| {
+                let outer = super::intrinsic::previous(h);
+                (self.faces.target(h) == b && self.edges[h as usize])
+                    || (self.faces.origin[outer as usize] == b && self.edges[outer as usize])
+            })
+        };
+        if taken { 1e6 } else { 0.0 }
+    }
+
+    fn face_cost(&self, face: &[u32]) -> f64 {
+        let points = |i: usize| self.triangulation.points[face[i] as usize];
+        let normal = |a: DVec3, b: DVec3| a.cross(b);
+        let up: DVec3 = face.iter().map(|&v| self.triangulation.tiles[v as usize].normal().as_dvec3()).sum();
+        let (shape, face_normal, base) = match face.len() {
+            3 => {
+                let p = [points(0), points(1), points(2)];
+                (triangle_shape(p.map(|q| q.to_array())), normal(p[1] - p[0], p[2] - p[0]), TRIANGLE)
+            }
+            _ => {
+                let p = [points(0), points(1), points(2), points(3)];
+                (quad_shape(p.map(|q| q.to_array())), normal(p[2] - p[0], p[3] - p[1]), 0.0)
+            }
+        };
+        let folded = shape <= 0.05 || face_normal.dot(up) <= 0.0;
+        base + (1.0 - shape) + if folded { FOLDED } else { 0.0 }
+    }
+}

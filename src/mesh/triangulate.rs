@@ -1,0 +1,261 @@
+//! A triangulation of the surface whose vertices are the tiles' centres.
+//!
+//! # Theory
+//! The tiles are put into the surface's own triangles as vertices, the surface's vertices are taken out one after the
+//! other, and edges are flipped to be intrinsically Delaunay throughout. Every step keeps the topology, so what comes
+//! out is a manifold with the surface's Euler characteristic and boundaries, whatever the tiles: nothing can be torn,
+//! and two sides of a thin part cannot be confused, since no step looks at distances in space.
+//!
+//! # Changes versus the paper
+//! The paper (section 2) searches the eight nearest tiles with similar normals. Where the surface turns sharply within
+//! a tile, or folds back on itself, that loses neighbours or finds false ones. Here the neighbours are those of this
+//! triangulation.
+//!
+//! # Practice
+//! A vertex of the surface that cannot go because a handle or a gap there is too small for the tiles stays, as an extra
+//! vertex of the mesh.
+
+use super::intrinsic::Intrinsic;
+use crate::field::Field;
+use crate::geometry::cross;
+use crate::mosaic::{Mosaic, Seat, Tile};
+use crate::surface::{NONE, Surface};
+use glam::DVec3;
+
+/// Tiles are kept this far, as a share of the triangle, from the edges of the triangle that they are put into.
+const INSET: f64 = 1e-5;
+
+/// The tiles' centres, triangulated.
+#[derive(Clone, Debug)]
+pub struct Triangulation {
+    pub(crate) faces: Intrinsic,
+    /// The tile that each vertex stands for (of a tile on a feature, one of its sides).
+    pub tiles: Vec<Tile>,
+    /// Places in unit-sized coordinates.
+    pub(crate) points: Vec<DVec3>,
+    /// The first `sites` vertices are tiles on features; the last `extra` ones are no tiles but vertices of the surface
+    /// that its topology needs.
+    pub sites: usize,
+    /// See `sites`.
+    pub extra: usize,
+}
+
+/// Triangulates the tiles of a mosaic.
+pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangulation {
+    let mut work = Work::new(surface, field);
+    let sites = work.place_sites(surface, mosaic);
+    let free = work.place_free(surface, mosaic);
+    let mut tile_of = vec![NONE; work.faces.leaving.len()];
+    for (i, &vertex) in sites.iter().chain(&free).enumerate() {
+        tile_of[vertex as usize] = i as u32;
+    }
+    let left = work.remove_others(&tile_of);
+    let order: Vec<u32> = sites.iter().chain(&free).chain(&left).copied().collect();
+    let mut tiles: Vec<Tile> = mosaic.sites.iter().map(|site| mosaic.tiles[site.first_side as usize]).collect();
+    tiles.extend_from_slice(mosaic.free());
+    let h = tiles.first().map_or(0.0, |t| t.h);
+    tiles.extend(left.iter().map(|&v| {
+        let corner = work.home_corner[v as usize];
+        Tile::free(surface, field, corner / 3, surface.points[v as usize], h)
+    }));
+    let points = order.iter().map(|&v| work.points[v as usize]).collect();
+    let faces = work.faces.compacted(&order);
+    Triangulation { faces, tiles, points, sites: sites.len(), extra: left.len() }
+}
+
+struct Work {
+    faces: Intrinsic,
+    /// The triangle of the surface that each face lies in, while no edge of the surface has been flipped.
+    home: Vec<u32>,
+    points: Vec<DVec3>,
+    /// A corner of the surface at each of its vertices.
+    home_corner: Vec<u32>,
+}
+
+impl Work {
+    fn new(surface: &Surface, field: &Field) -> Self {
+        let sectors = field.sectors();
+        let count = 3 * surface.triangle_count();
+        let mut faces = Intrinsic {
+            origin: surface.triangles.iter().flatten().copied().collect(),
+            twin: surface.twins.clone(),
+            length: (0..count as u32).map(|h| surface.length(h)).collect(),
+            locked: (0..count as u32).map(|h| surface.features().is_feature(h)).collect(),
+            begin: Vec::with_capacity(count),
+            end: Vec::with_capacity(count),
+            leaving: vec![NONE; surface.vertex_count()],
+        };
+        for h in 0..count as u32 {
+            let sector = sectors.of_corner[h as usize] as usize;
+            // On a feature directions count from the feature, elsewhere from the cross.
+            let zero = if sectors.quarters[sector] > 0 {
+                0.0
+            } else {
+                let [x, y] = field.crosses()[sector].map(f64::from);
+                y.atan2(x) / 4.0
+            };
+            faces.begin.push(sectors.direction(h, 0.0) - zero);
+            faces.end.push(sectors.direction(h, sectors.corner_angle(h)) - zero);
+            faces.leaving[faces.origin[h as usize] as usize] = h;
+        }
+        Self {
+            home: (0..surface.triangle_count() as u32).collect(),
+            points: surface.points.iter().map(|p| p.as_dvec3()).collect(),
+            home_corner: faces.leaving.clone(),
+            faces,
+        }
+    }
+
+    /// The vertex of each site.
+    fn place_sites(&mut self, surface: &Surface, mosaic: &Mosaic) -> Vec<u32> {
+        let mut vertices = vec![NONE; mosaic.sites.len()];
+        let mut on_edges: Vec<(u32, f64, usize)> = Vec::new();
+        for (i, site) in mosaic.sites.iter().enumerate() {
+            match site.seat {
+                Seat::Vertex(v) => vertices[i] = v,
+                Seat::Edge(h, share) => on_edges.push((h, share, i)),
+            }
+        }
+        on_edges.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        for run in on_edges.chunk_by(|a, b| a.0 == b.0) {
+            let (mut h, mut passed) = (run[0].0, 0.0);
+            let [a, b] = [surface.origin(h), surface.target(h)].map(|v| surface.points[v as usize].as_dvec3());
+            for &(_, share, i) in run {
+                let part = ((share - passed) / (1.0 - passed)).clamp(1e-6, 1.0 - 1e-6);
+                let twin = self.faces.twin[h as usize];
+                vertices[i] = self.faces.split_edge(h, part);
+                self.home.push(self.home[h as usize / 3]);
+                if twin != NONE {
+                    self.home.push(self.home[twin as usize / 3]);
+                }
+                self.points.push(a + (b - a) * share);
+                h = self.faces.leaving[vertices[i] as usize];
+                passed = share;
+            }
+        }
+        vertices
+    }
+
+    /// The vertex of each free tile.
+    fn place_free(&mut self, surface: &Surface, mosaic: &Mosaic) -> Vec<u32> {
+        let tiles = mosaic.free();
+        let mut order: Vec<u32> = (0..tiles.len() as u32).collect();
+        order.sort_by_key(|&i| tiles[i as usize].triangle);
+        let mut vertices = vec![NONE; tiles.len()];
+        let mut stack = Vec::new();
+        let mut face = 0;
+        let mut triangle = NONE;
+        for i in order {
+            let tile = &tiles[i as usize];
+            if tile.triangle != triangle {
+                triangle = tile.triangle;
+                face = triangle;
+            }
+            let corners = surface.corners(triangle as usize).map(|p| p.as_dvec3());
+            let point = inset(corners, tile.at().as_dvec3());
+            let normal = tile.normal().as_dvec3();
+            face = self.locate(face, point, normal);
+            let origins = [0, 1, 2].map(|k| self.faces.origin[3 * face as usize + k]);
+            let ways = origins.map(|v| self.points[v as usize] - point);
+            let x = glam::Vec3::from(tile.axis);
+            let (x, y) = (x.as_dvec3(), cross(tile.normal(), x).as_dvec3());
+            let vertex = self.faces.split_face(face, ways.map(|w| w.length()), ways.map(|w| w.dot(y).atan2(w.dot(x))));
+            self.points.push(point);
+            vertices[i as usize] = vertex;
+            self.home.extend([triangle; 2]);
+            let new = self.faces.leaving[vertex as usize];
+            self.faces.ring(vertex, &mut stack);
+            let mut sides: Vec<u32> = stack.iter().map(|&h| super::intrinsic::next(h)).collect();
+            let home = &self.home;
+            self.faces.legalize(&mut sides, |faces, h| home[h as usize / 3] == home[faces.twin[h as usize] as usize / 3]);
+            face = new / 3;
+        }
+        vertices
+    }
+
+    /// The face of the same triangle of the surface that holds a point.
+    fn locate(&self, from: u32, point: DVec3, normal: DVec3) -> u32 {
+        let mut face = from;
+        let mut entered = NONE;
+        for _ in 0..self.faces.face_count() {
+            let outside = (3 * face..3 * face + 3).filter(|&h| h != entered).find(|&h| {
+                let [a, b] = [self.faces.origin[h as usize], self.faces.target(h)].map(|v| self.points[v as usize]);
+                let twin = self.faces.twin[h as usize];
+                (b - a).cross(point - a).dot(normal) < 0.0
+                    && twin != NONE
+                    && self.home[twin as usize / 3] == self.home[face as usize]
+            });
+            let Some(h) = outside else { break };
+            entered = self.faces.twin[h as usize];
+            face = entered / 3;
+        }
+        face
+    }
+
+    /// Takes out every vertex that is no tile; returns those that have to stay.
+    fn remove_others(&mut self, tile_of: &[u32]) -> Vec<u32> {
+        let faces = &mut self.faces;
+        let mut stack: Vec<u32> = (0..faces.origin.len() as u32).collect();
+        faces.legalize(&mut stack, |_, _| true);
+        let mut waiting: Vec<u32> = (0..tile_of.len() as u32).filter(|&v| tile_of[v as usize] == NONE).collect();
+        let (mut ring, mut near) = (Vec::new(), Vec::new());
+        loop {
+            let before = waiting.len();
+            waiting.retain(|&v| {
+                near.clear();
+                faces.visit_neighbours(v, |w| near.push(w));
+                if !faces.remove(v, &mut ring) {
+                    return true;
+                }
+                for &w in &near {
+                    faces.ring(w, &mut ring);
+                    stack.extend_from_slice(&ring);
+                }
+                faces.legalize(&mut stack, |_, _| true);
+                false
+            });
+            if waiting.is_empty() || waiting.len() == before {
+                return waiting;
+            }
+        }
+    }
+}
+
+/// The point, in the plane of the triangle and inside it by a small margin.
+fn inset([a, b, c]: [DVec3; 3], p: DVec3) -> DVec3 {
+    let normal = (b - a).cross(c - a);
+    let area = normal.length_squared().max(f64::MIN_POSITIVE);
+    let weight = |q: DVec3, r: DVec3| ((q - p).cross(r - p).dot(normal) / area).max(INSET);
+    let (wa, wb, wc) = (weight(b, c), weight(c, a), weight(a, b));
+    (a * wa + b * wb + c * wc) / (wa + wb + wc)
+}
+
+impl Intrinsic {
+    /// The living faces, their vertices renumbered in the given order.
+    fn compacted(&self, order: &[u32]) -> Self {
+        let mut number = vec![NONE; self.leaving.len()];
+        for (i, &v) in order.iter().enumerate() {
+            number[v as usize] = i as u32;
+        }
+        let alive: Vec<u32> = (0..self.face_count() as u32).filter(|&f| self.is_alive(f)).collect();
+        let mut place = vec![NONE; self.face_count()];
+        for (i, &f) in alive.iter().enumerate() {
+            place[f as usize] = i as u32;
+        }
+        let mut result = Self { leaving: vec![NONE; order.len()], ..Self::default() };
+        for &f in &alive {
+            let first = result.push_face([0, 1, 2].map(|k| number[self.origin[3 * f as usize + k] as usize]));
+            for k in 0..3 {
+                let (from, to) = (3 * f as usize + k, first as usize + k);
+                let twin = self.twin[from];
+                result.twin[to] = if twin == NONE { NONE } else { 3 * place[twin as usize / 3] + twin % 3 };
+                result.length[to] = self.length[from];
+                result.begin[to] = self.begin[from];
+                result.end[to] = self.end[from];
+                result.locked[to] = self.locked[from];
+                result.leaving[result.origin[to] as usize] = to as u32;
+            }
+        }
+        result
+    }
+}
