@@ -10,6 +10,8 @@ pub mod triangulate;
 
 pub use triangulate::Triangulation;
 
+use rayon::prelude::*;
+
 /// A polygon mesh: quads, triangles and, where holes were left, larger faces; counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
@@ -47,5 +49,40 @@ impl Mesh {
     /// All faces, in order.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         (0..self.face_count()).map(|index| self.face(index))
+    }
+
+    /// All undirected edges, sorted by their ends; each is listed once.
+    pub fn edges(&self) -> Vec<Edge> {
+        let mut sides: Vec<(u32, u32, bool)> = self
+            .faces()
+            .flat_map(|face| face.iter().zip(face.iter().cycle().skip(1)))
+            .map(|(&a, &b)| (a.min(b), a.max(b), a < b))
+            .collect();
+        sides.par_sort_unstable();
+        sides
+            .chunk_by(|s, t| (s.0, s.1) == (t.0, t.1))
+            .map(|same| {
+                let along = same.iter().filter(|side| side.2).count() as u32;
+                Edge { ends: [same[0].0, same[0].1], along, against: same.len() as u32 - along }
+            })
+            .collect()
+    }
+}
+
+/// An undirected edge of a [`Mesh`] and how its faces use it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// The two vertices, the smaller id first.
+    pub ends: [u32; 2],
+    /// How many faces run from `ends[0]` to `ends[1]`.
+    pub along: u32,
+    /// How many faces run from `ends[1]` to `ends[0]`.
+    pub against: u32,
+}
+
+impl Edge {
+    /// Whether faces lie on one side only: the edge is on the mesh's boundary.
+    pub fn is_boundary(&self) -> bool {
+        self.along == 0 || self.against == 0
     }
 }

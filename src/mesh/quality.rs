@@ -1,1 +1,175 @@
+//! The measures of a finished mesh.
+//!
+//! # Theory
+//!
+//! The paper, section 4: Qr is the share of quads among all elements, Qg and Tg are the mean shapes of quads and triangles
+//! (Lee and Lo's measures there). Scaled Jacobian and the share of irregular vertices are the field's common additions.
+//!
+//! # Changes versus the paper
+//!
+//! The paper defines Qg and Tg so that larger is worse, yet prints values below 1; here, as in what it prints, both are
+//! reciprocals: 1 is a square or an equilateral triangle, 0 a collapsed or reflex element.
 
+use super::Mesh;
+use glam::DVec3;
+use serde::Serialize;
+
+/// How a measure is distributed over the elements.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// Arithmetic mean.
+    pub mean: f64,
+    /// First percentile, linear between the two nearest elements.
+    pub p01: f64,
+    /// The worst element.
+    pub min: f64,
+}
+
+impl Spread {
+    fn of(mut values: Vec<f64>) -> Option<Self> {
+        values.sort_unstable_by(f64::total_cmp);
+        let min = *values.first()?;
+        let place = 0.01 * (values.len() - 1) as f64;
+        let (low, rest) = (place as usize, place.fract());
+        let high = (low + 1).min(values.len() - 1);
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        Some(Self { mean, p01: values[low] * (1.0 - rest) + values[high] * rest, min })
+    }
+}
+
+/// The measures of a mesh. A measure over elements that the mesh does not have is `None`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Quality {
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of quads.
+    pub quads: usize,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Number of faces with more than four sides.
+    pub polygons: usize,
+    /// Quads over elements; a face of k > 4 sides counts as k - 2 triangles, and so does an interior hole.
+    pub qr: f64,
+    /// Shape of the quads, see [`quad_shape`].
+    pub qg: Option<Spread>,
+    /// Shape of the triangles, see [`triangle_shape`].
+    pub tg: Option<Spread>,
+    /// Scaled Jacobian of the quads, see [`scaled_jacobian`].
+    pub scaled_jacobian: Option<Spread>,
+    /// Number of vertices that lie on a face and not on the boundary.
+    pub interior_vertices: usize,
+    /// Those of them whose valence is not 4.
+    pub irregular_vertices: usize,
+    /// Mean edge length.
+    pub mean_edge: f64,
+    /// Standard deviation of the edge length over its mean.
+    pub edge_cv: f64,
+}
+
+impl Quality {
+    /// The measures of a mesh without interior holes.
+    pub fn of(mesh: &Mesh) -> Self {
+        Self::with_holes(mesh, 0)
+    }
+
+    /// The measures of a mesh whose interior holes would take `hole_triangles` triangles to cover.
+    pub fn with_holes(mesh: &Mesh, hole_triangles: usize) -> Self {
+        let point = |vertex: u32| mesh.points[vertex as usize];
+        let (mut triangle_shapes, mut quad_shapes, mut jacobians) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut polygons, mut covering) = (0, hole_triangles);
+        for face in mesh.faces() {
+            match *face {
+                [a, b, c] => triangle_shapes.push(triangle_shape([a, b, c].map(point))),
+                [a, b, c, d] => {
+                    let corners = [a, b, c, d].map(point);
+                    quad_shapes.push(quad_shape(corners));
+                    jacobians.push(scaled_jacobian(corners));
+                }
+                _ => {
+                    polygons += 1;
+                    covering += face.len().saturating_sub(2);
+                }
+            }
+        }
+        let (quads, triangles) = (quad_shapes.len(), triangle_shapes.len());
+
+        let mut valence = vec![0_u32; mesh.points.len()];
+        let mut boundary = vec![false; mesh.points.len()];
+        let mut lengths = Vec::new();
+        for edge in mesh.edges() {
+            for end in edge.ends.map(|end| end as usize) {
+                valence[end] += 1;
+                boundary[end] |= edge.is_boundary();
+            }
+            let [a, b] = edge.ends.map(|end| DVec3::from(point(end)));
+            lengths.push(a.distance(b));
+        }
+        let interior = || valence.iter().zip(&boundary).filter(|(valence, boundary)| **valence > 0 && !**boundary);
+        let count = lengths.len().max(1) as f64;
+        let mean_edge = lengths.iter().sum::<f64>() / count;
+        let variance = lengths.iter().map(|length| (length - mean_edge).powi(2)).sum::<f64>() / count;
+
+        Self {
+            vertices: mesh.points.len(),
+            quads,
+            triangles,
+            polygons,
+            qr: quads as f64 / (quads + triangles + covering).max(1) as f64,
+            qg: Spread::of(quad_shapes),
+            tg: Spread::of(triangle_shapes),
+            scaled_jacobian: Spread::of(jacobians),
+            interior_vertices: interior().count(),
+            irregular_vertices: interior().filter(|(valence, _)| **valence != 4).count(),
+            mean_edge,
+            edge_cv: if mean_edge > 0.0 { variance.sqrt() / mean_edge } else { 0.0 },
+        }
+    }
+
+    /// Irregular vertices as a share of the interior vertices.
+    pub fn irregular(&self) -> f64 {
+        self.irregular_vertices as f64 / self.interior_vertices.max(1) as f64
+    }
+}
+
+/// Twice the signed area of each corner triangle against the quad's normal, which is the cross product of its diagonals.
+fn corner_areas(q: [DVec3; 4]) -> [f64; 4] {
+    let normal = (q[2] - q[0]).cross(q[3] - q[1]).normalize_or_zero();
+    std::array::from_fn(|k| (q[(k + 1) % 4] - q[k]).cross(q[(k + 3) % 4] - q[k]).dot(normal))
+}
+
+/// The paper's Qg of one quad, as a reciprocal: 8 S_min / (sqrt2 h_max h_s), with h_max the longest side or diagonal, h_s
+/// the root of the sum of squared sides and S_min the smallest signed area of the four corner triangles.
+///
+/// 1 for a square, 0 where a corner is reflex or the quad has collapsed.
+pub fn quad_shape(corners: [[f64; 3]; 4]) -> f64 {
+    let q = corners.map(DVec3::from);
+    let smallest = corner_areas(q).into_iter().fold(f64::INFINITY, f64::min) / 2.0;
+    let sides: [f64; 4] = std::array::from_fn(|k| q[k].distance_squared(q[(k + 1) % 4]));
+    let diagonals = [q[0].distance_squared(q[2]), q[1].distance_squared(q[3])];
+    let longest = sides.into_iter().chain(diagonals).fold(0.0, f64::max);
+    let scale = (longest * sides.iter().sum::<f64>()).sqrt();
+    if smallest > 0.0 && scale > 0.0 { 8.0 * smallest / (std::f64::consts::SQRT_2 * scale) } else { 0.0 }
+}
+
+/// The paper's Tg of one triangle, as a reciprocal: 4 sqrt3 S / (sum of squared sides).
+///
+/// 1 for an equilateral triangle, 0 for a collapsed one.
+pub fn triangle_shape(corners: [[f64; 3]; 3]) -> f64 {
+    let [a, b, c] = corners.map(DVec3::from);
+    let squares = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
+    let area = (b - a).cross(c - a).length() / 2.0;
+    if squares > 0.0 { 4.0 * 3.0_f64.sqrt() * area / squares } else { 0.0 }
+}
+
+/// The smallest sine of a quad's corners against its normal: 1 for a rectangle, negative where a corner is reflex.
+pub fn scaled_jacobian(corners: [[f64; 3]; 4]) -> f64 {
+    let q = corners.map(DVec3::from);
+    let sides: [f64; 4] = std::array::from_fn(|k| q[k].distance(q[(k + 1) % 4]));
+    let areas = corner_areas(q);
+    (0..4)
+        .map(|k| {
+            let product = sides[k] * sides[(k + 3) % 4];
+            if product > 0.0 { areas[k] / product } else { 0.0 }
+        })
+        .fold(f64::INFINITY, f64::min)
+}
