@@ -9,4 +9,5 @@ pub mod field;
 mod geometry;
 pub mod mesh;
 pub mod mosaic;
+pub mod pipeline;
 pub mod surface;

@@ -6,6 +6,7 @@ pub mod connect;
 pub mod fill;
 mod intrinsic;
 pub mod quality;
+pub mod smooth;
 pub mod triangulate;
 
 pub use triangulate::Triangulation;
@@ -84,5 +85,11 @@ impl Edge {
     /// Whether faces lie on one side only: the edge is on the mesh's boundary.
     pub fn is_boundary(&self) -> bool {
         self.along == 0 || self.against == 0
+    }
+
+    /// The same mesh in model units, its vertices being in unit-sized coordinates.
+    pub(crate) fn placed(mut self, frame: &crate::surface::Frame) -> Self {
+        self.points.iter_mut().for_each(|point| *point = frame.to_model(*point));
+        self
     }
 }

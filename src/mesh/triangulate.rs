@@ -15,6 +15,7 @@
 //! A vertex of the surface that cannot go because a handle or a gap there is too small for the tiles stays, as an extra
 //! vertex of the mesh.
 
+use super::clean::Anchors;
 use super::intrinsic::Intrinsic;
 use crate::field::Field;
 use crate::geometry::cross;
@@ -61,6 +62,39 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     let points = order.iter().map(|&v| work.points[v as usize]).collect();
     let faces = work.faces.compacted(&order);
     Triangulation { faces, tiles, points, sites: sites.len(), extra: left.len() }
+}
+
+impl Triangulation {
+    /// What the clean-up must respect: features, and the directions of the field.
+    pub fn anchors(&self) -> Anchors {
+        let faces = &self.faces;
+        let mut feature_edges: Vec<[u32; 2]> = (0..faces.origin.len() as u32)
+            .filter(|&h| faces.locked[h as usize])
+            .map(|h| [faces.origin[h as usize], faces.target(h)])
+            .map(|[a, b]| [a.min(b), a.max(b)])
+            .collect();
+        feature_edges.sort_unstable();
+        feature_edges.dedup();
+        Anchors {
+            feature_edges,
+            fixed: (0..self.tiles.len()).map(|v| !self.is_free(v)).collect(),
+            normals: self.tiles.iter().map(|tile| tile.normal).collect(),
+            axes: self.tiles.iter().map(|tile| tile.axis).collect(),
+        }
+    }
+
+    /// The triangle of the surface below each vertex that may move; of those vertices alone that are named, if any are.
+    pub fn free_triangles(&self, kept: Option<&[u32]>) -> Vec<Option<u32>> {
+        let below = |v: usize| self.is_free(v).then(|| self.tiles[v].triangle);
+        match kept {
+            Some(kept) => kept.iter().map(|&v| below(v as usize)).collect(),
+            None => (0..self.tiles.len()).map(below).collect(),
+        }
+    }
+
+    fn is_free(&self, vertex: usize) -> bool {
+        (self.sites..self.tiles.len() - self.extra).contains(&vertex)
+    }
 }
 
 struct Work {

@@ -1,0 +1,240 @@
+//! The whole method: from a triangle surface to a quad-dominant mesh.
+//!
+//! # Theory
+//! The paper's abstract and sections 2 and 3: a mosaic of equal square tiles, turned along a field, covers the surface;
+//! the tiles' centres are connected up, down, left and right; holes are filled by patterns; clean-up turns triangles
+//! into quads.
+
+use crate::compute::{Backend, ComputeError};
+use crate::field::{Field, Guide};
+use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
+use crate::mesh::connect::{ConnectOptions, connect};
+use crate::mesh::fill::{Holes, fill};
+use crate::mesh::smooth::smooth;
+use crate::mesh::triangulate::triangulate;
+use crate::mesh::{Mesh, Triangulation};
+use crate::mosaic::{self, Mosaic, MosaicOptions};
+use crate::surface::{FeatureOptions, Soup, Surface, SurfaceError};
+use std::time::{Duration, Instant};
+use thiserror::Error;
+
+/// How fine the mesh is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fineness {
+    /// This many vertices.
+    Points(usize),
+    /// Tiles of this side, in model units.
+    Size(f64),
+}
+
+/// What the method can be told.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// How fine the mesh is to be.
+    pub fineness: Fineness,
+    /// What counts as a feature.
+    pub features: FeatureOptions,
+    /// Control vectors for the field.
+    pub guides: Vec<Guide>,
+    /// When two tiles are connected.
+    pub connect: ConnectOptions,
+    /// What to do with holes.
+    pub holes: Holes,
+    /// The clean-up; `None`: the mesh stays as the filling leaves it.
+    pub cleanup: Option<CleanOptions>,
+    /// Passes of smoothing after the clean-up. Default 6; 0: vertices stay where the tiles were.
+    pub smoothing: usize,
+}
+
+impl Options {
+    /// The defaults, at this fineness.
+    pub fn new(fineness: Fineness) -> Self {
+        Self {
+            fineness,
+            features: FeatureOptions::default(),
+            guides: Vec::new(),
+            connect: ConnectOptions::default(),
+            holes: Holes::default(),
+            cleanup: Some(CleanOptions::default()),
+            smoothing: 6,
+        }
+    }
+}
+
+/// A step of the way, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Welding, orientation, adjacency, features.
+    Surface,
+    /// The cross field.
+    Field,
+    /// Sowing and relaxing tiles.
+    Mosaic,
+    /// Triangulating the tiles and choosing edges.
+    Connect,
+    /// Splitting holes.
+    Fill,
+    /// Topological clean-up.
+    Clean,
+    /// Smoothing.
+    Smooth,
+}
+
+impl Stage {
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Surface => "surface",
+            Self::Field => "field",
+            Self::Mosaic => "mosaic",
+            Self::Connect => "connect",
+            Self::Fill => "fill",
+            Self::Clean => "clean",
+            Self::Smooth => "smooth",
+        }
+    }
+}
+
+/// Why no mesh was made.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PipelineError {
+    /// The surface cannot be meshed.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// The backend failed.
+    #[error(transparent)]
+    Compute(#[from] ComputeError),
+    /// The asked fineness makes no sense.
+    #[error("{0}")]
+    Fineness(String),
+}
+
+/// Everything that the method made on the way; coordinates are unit-sized but for `before` and `mesh`.
+pub struct Outcome {
+    /// The surface.
+    pub surface: Surface,
+    /// Its cross field.
+    pub field: Field,
+    /// The tiles.
+    pub mosaic: Mosaic,
+    /// Their triangulation.
+    pub triangulation: Triangulation,
+    /// The mesh before clean-up, in model units.
+    pub before: Mesh,
+    /// The mesh, in model units.
+    pub mesh: Mesh,
+    /// Holes of the connected mosaic, before they were filled.
+    pub holes: usize,
+    /// What the clean-up did.
+    pub cleaned: Option<CleanCounts>,
+    /// How long each stage took.
+    pub times: Vec<(Stage, Duration)>,
+}
+
+/// Fewest and most vertices that can be asked for.
+pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
+
+/// Meshes a soup of triangles. `progress` is told each stage as it begins, and how far it is, from 0 to 1.
+///
+/// # Errors
+/// Where the surface cannot be meshed, the fineness makes no sense, or the backend fails.
+pub fn run(
+    soup: &Soup,
+    options: &Options,
+    backend: &dyn Backend,
+    progress: &dyn Fn(Stage, f32),
+) -> Result<Outcome, PipelineError> {
+    let mut clock = Clock { progress, times: Vec::new(), started: Instant::now() };
+
+    clock.begin(Stage::Surface);
+    let surface = Surface::new(soup, &options.features)?;
+    let h = side(&surface, options.fineness)?;
+
+    clock.begin(Stage::Field);
+    let field = Field::new(&surface, &options.guides, backend)?;
+
+    clock.begin(Stage::Mosaic);
+    let ground = backend.ground(&surface, &field)?;
+    let tell = |share| progress(Stage::Mosaic, share);
+    let mosaic = match options.fineness {
+        Fineness::Points(count) => mosaic::lay_count(&surface, &field, &*ground, count, &tell)?,
+        Fineness::Size(_) => mosaic::lay(&surface, &field, &*ground, &MosaicOptions::with_side(h), &tell)?,
+    };
+
+    clock.begin(Stage::Connect);
+    let triangulation = triangulate(&surface, &field, &mosaic);
+    let edges = connect(&triangulation, &options.connect);
+
+    clock.begin(Stage::Fill);
+    let (filled, holes) = fill(&triangulation, &edges, options.holes);
+
+    clock.begin(Stage::Clean);
+    let anchors = triangulation.anchors();
+    let (cleaned, counts) = match &options.cleanup {
+        Some(cleanup) => {
+            let (mesh, counts) = clean(&filled, &anchors, cleanup);
+            (mesh, Some(counts))
+        }
+        None => (filled.clone(), None),
+    };
+
+    clock.begin(Stage::Smooth);
+    let below = triangulation.free_triangles(counts.as_ref().map(|counts| counts.kept.as_slice()));
+    let smoothed = smooth(&surface, &cleaned, &below, options.smoothing);
+
+    let times = clock.finish();
+    let [before, mesh] = [filled, smoothed].map(|mesh| mesh.placed(surface.frame()));
+    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, holes, cleaned: counts, times })
+}
+
+/// The side of the tiles, unit-sized.
+fn side(surface: &Surface, fineness: Fineness) -> Result<f32, PipelineError> {
+    match fineness {
+        Fineness::Points(count) if POINTS.contains(&count) => Ok(mosaic::side_for_count(surface, count)),
+        Fineness::Points(count) => Err(PipelineError::Fineness(format!(
+            "a mesh of {count} points cannot be made; ask for {} to {}",
+            POINTS.start(),
+            POINTS.end()
+        ))),
+        Fineness::Size(size) => {
+            let diagonal = surface.frame().diagonal;
+            let count = surface.area() / (size / diagonal).powi(2);
+            if size > 0.0 && size <= diagonal && count <= *POINTS.end() as f64 {
+                return Ok((size / diagonal) as f32);
+            }
+            let least = diagonal * (surface.area() / *POINTS.end() as f64).sqrt();
+            Err(PipelineError::Fineness(format!(
+                "tiles of side {size} cannot cover this surface; ask for {least:.3e} to {diagonal:.3e}, its diagonal"
+            )))
+        }
+    }
+}
+
+struct Clock<'a> {
+    progress: &'a dyn Fn(Stage, f32),
+    times: Vec<(Stage, Duration)>,
+    started: Instant,
+}
+
+impl Clock<'_> {
+    fn begin(&mut self, stage: Stage) {
+        self.end();
+        self.times.push((stage, Duration::ZERO));
+        (self.progress)(stage, 0.0);
+    }
+
+    fn end(&mut self) {
+        let now = Instant::now();
+        if let Some((stage, time)) = self.times.last_mut() {
+            *time = now - self.started;
+            (self.progress)(*stage, 1.0);
+        }
+        self.started = now;
+    }
+
+    fn finish(mut self) -> Vec<(Stage, Duration)> {
+        self.end();
+        self.times
+    }
+}
