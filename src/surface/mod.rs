@@ -2,6 +2,7 @@
 
 pub mod examples;
 pub mod load;
+mod polygon;
 
 /// Triangles as a file or a generator gives them: not welded, not oriented, in model units.
 #[derive(Clone, Debug, Default, PartialEq)]
