@@ -1,9 +1,11 @@
 //! Invariants of the example surfaces, at several resolutions.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use quadmosaic::surface::Soup;
 use quadmosaic::surface::examples::{Example, M6Options};
+use quadmosaic::surface::load;
 
 type Vector = [f64; 3];
 
@@ -209,8 +211,99 @@ fn triangles_are_well_shaped() {
         for count in [500, 3_000, 20_000, 100_000] {
             let angles = smallest_angles(&example.generate(count));
             let slender = angles.partition_point(|&angle| angle < 20.0) as f64 / angles.len() as f64;
-            let median = angles[angles.len() / 2];
-            println!("{example:?} {count}: smallest {:.2}, median {median:.1}, below 20: {slender:.4}", angles[0]);
+            let (least, median) = (angles[0], angles[angles.len() / 2]);
+            let what = format!("{example:?}, {count}: smallest {least}, median {median}, slender {slender}");
+            match example {
+                // The cells next to the axis are 0.6 as wide as the mean, and atan(0.6) is 31 degrees; whole numbers
+                // of rows and columns cost some more.
+                Example::Torus | Example::Block | Example::Plate => assert!(least > 27.0, "{what}"),
+                // Where five triangles meet they have 54 degrees.
+                Example::Sphere => assert!(least > 53.0, "{what}"),
+                // Slender only where the geometry is thinner than a triangle: round the end of the tip cap and
+                // on the face of a blunt trailing edge, lines of triangles among a surface of them.
+                Example::M6(options) => {
+                    // The thinnest are round the half disc of a blunt tail: steps of pi / 6 of 0.0007052 chord against
+                    // lines at most a quarter of a chord apart are 0.085 degrees.
+                    let half = count as f64 / if options.whole_span { 2.0 } else { 1.0 };
+                    let lines = if options.blunt || !options.flat_tip { 6.0 } else { 1.0 };
+                    assert!(slender < lines / half.sqrt() && median > 45.0 && least > 0.08, "{what}");
+                }
+            }
         }
     }
+}
+
+#[test]
+fn names_are_understood() {
+    for name in Example::NAMES {
+        assert!(name.parse::<Example>().is_ok(), "{name}");
+    }
+    let error = "cow".parse::<Example>().expect_err("there is no cow");
+    let message = "there is no example surface \"cow\"; choose one of m6, torus, sphere, plate, block";
+    assert_eq!(error.to_string(), message);
+}
+
+/// The wing of an independent script, from the same published figures.
+#[test]
+fn the_wing_agrees_with_an_independent_one() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models/m6_gen.obj");
+    if !path.exists() {
+        println!("SKIPPED examples::the_wing_agrees_with_an_independent_one: ../shared/models is not here");
+        return;
+    }
+    let other = load::read(&path).expect("the model is a good file");
+    let disagreement = |soup: &Soup| {
+        let corners = bounds(soup).into_iter().flatten().zip(bounds(&other).into_iter().flatten());
+        let box_apart = corners.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        (box_apart, (area(soup) / area(&other) - 1.0).abs(), (volume(soup) / volume(&other) - 1.0).abs())
+    };
+    let (box_apart, area_off, volume_off) = disagreement(&wing(false, false, false).generate(20_000));
+    println!("bounding box {box_apart:.2e} m apart, area off by {area_off:.2e}, volume by {volume_off:.2e}");
+    assert!(box_apart < 1e-3 && area_off < 0.005 && volume_off < 0.005, "{box_apart} {area_off} {volume_off}");
+    let (blunt_apart, ..) = disagreement(&wing(true, false, false).generate(20_000));
+    let (flat_apart, ..) = disagreement(&wing(false, true, false).generate(20_000));
+    assert!(blunt_apart > 1e-3 && flat_apart > 1e-3, "another wing disagrees: {blunt_apart}, {flat_apart}");
+}
+
+#[test]
+fn the_wing_has_its_published_measures() {
+    // Rounding apart, the corners of the planform are vertices.
+    let near = |found: f64, exact: f64| assert!((found - exact).abs() < 5e-5, "{found} instead of {exact}");
+    for options in [(false, false), (true, false), (false, true), (true, true)] {
+        let (blunt, flat_tip) = options;
+        let soup = wing(blunt, flat_tip, false).generate(20_000);
+        let root: Vec<_> = soup.points.iter().filter(|point| point[1] == 0.0).collect();
+        let chord = root.iter().map(|point| point[0]).fold(0.0, f64::max);
+        near(chord, if blunt { 0.8059 } else { 0.81049 });
+        let thickness = 2.0 * root.iter().map(|point| point[2]).fold(0.0, f64::max);
+        near(thickness / 0.8059, 0.09786);
+        let [low, high] = bounds(&soup);
+        near(low[0], 0.0);
+        near(high[0], 0.69068 + if blunt { 0.45332 } else { 0.45590 });
+        // The cap is as wide as the tip section is half thick.
+        near(high[1], if flat_tip { 1.1963 } else { 1.1963 + 0.5 * 0.09786 * 0.45332 });
+        // Symmetric about the chord plane.
+        near(low[2], -high[2]);
+        let whole = wing(blunt, flat_tip, true).generate(40_000);
+        assert_eq!(whole.triangles.len(), 2 * soup.triangles.len());
+        assert!((area(&whole) / area(&soup) - 2.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn the_sharp_trailing_edge_is_one_straight_crease() {
+    let soup = wing(false, false, false).generate(20_000);
+    let tail: Vec<_> = (0..soup.points.len()).filter(|&index| on_tail(soup.points[index])).collect();
+    let edges: BTreeSet<_> =
+        soup.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).filter(|&(a, b)| a < b).collect();
+    let along = edges.iter().filter(|(a, b)| [a, b].iter().all(|&&end| tail.contains(&(end as usize)))).count();
+    assert!(tail.len() > 50, "{}", tail.len());
+    assert_eq!(along, tail.len() - 1, "neighbours along the edge are joined");
+}
+
+/// Whether a point is on the line of the sharp trailing edge. Its ends come from the published planform; 1e-5 is what its
+/// digits leave open, and the lines next to it are a thousand times as far.
+fn on_tail(point: Vector) -> bool {
+    let line = 0.810489 + (0.690683 + 0.455900 - 0.810489) * point[1] / 1.1963;
+    point[2] == 0.0 && (point[0] - line).abs() < 1e-5
 }

@@ -1,8 +1,10 @@
 //! The output: from a mosaic to a polygon mesh.
 
 pub mod check;
+pub mod clean;
 mod collapse;
 pub mod connect;
+mod edit;
 pub mod fill;
 mod intrinsic;
 pub mod quality;

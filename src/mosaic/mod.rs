@@ -124,9 +124,11 @@ pub struct MosaicOptions {
 }
 
 impl MosaicOptions {
+    const FIRST_TILES: usize = 70;
+
     /// The defaults, for tiles of side `h`.
     pub fn with_side(h: f32) -> Self {
-        Self { h, first_tiles: 70, first_batches: 12, batches: 4, steps: 8 }
+        Self { h, first_tiles: Self::FIRST_TILES, first_batches: 12, batches: 4, steps: 8 }
     }
 }
 
@@ -137,6 +139,27 @@ pub fn side_for_count(surface: &Surface, count: usize) -> f32 {
     let half = boundary / 2.0;
     let inverse = ((half * half + 4.0 * area * count as f64).sqrt() - half) / (2.0 * area);
     (1.0 / inverse) as f32
+}
+
+/// A mosaic of nearly `count` tiles.
+///
+/// Rows that end leave gaps, so a mosaic has some tiles less than its area asks for, by about the same share on every
+/// level. That share is measured first on a mosaic one level coarser.
+///
+/// # Errors
+/// Where the backend fails.
+pub fn lay_count(
+    surface: &Surface,
+    field: &Field,
+    ground: &dyn Ground,
+    count: usize,
+    progress: &dyn Fn(f32),
+) -> Result<Mosaic, ComputeError> {
+    let plan = |wanted: usize| MosaicOptions::with_side(side_for_count(surface, wanted));
+    let trial = if count >= 9 * MosaicOptions::FIRST_TILES { count / 9 } else { count };
+    let found = lay(surface, field, ground, &plan(trial), &|share| progress(0.1 * share))?.count();
+    let wanted = (count as f64 * (trial as f64 / found as f64).clamp(0.8, 1.25)).round() as usize;
+    lay(surface, field, ground, &plan(wanted), &|share| progress(0.1 + 0.9 * share))
 }
 
 /// Lays a mosaic: few large tiles first, split until they have the wanted side.

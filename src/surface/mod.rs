@@ -9,6 +9,7 @@ mod adjacency;
 pub mod examples;
 mod features;
 pub mod load;
+mod polygon;
 mod walk;
 mod weld;
 

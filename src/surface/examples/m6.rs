@@ -30,8 +30,8 @@ const LEADING_EDGE_SWEEP: f64 = 30.0;
 /// Chords of arc length that a turn by one radian counts for: the nose, of radius 0.007 chord, gets points about six
 /// times as close as a flat part.
 const TURN_WEIGHT: f64 = 0.04;
-/// Fewest steps round the tip cap: 36 degrees each, less than what counts as a crease.
-const FEWEST_ROUND_STEPS: usize = 5;
+/// Fewest steps round the tip cap: 30 degrees each, less than what counts as a crease.
+const FEWEST_ROUND_STEPS: usize = 6;
 
 /// What the ONERA M6 wing looks like. In metres: x streamwise, y along the span, z up; root leading edge at the origin.
 /// By default a half wing with an open root, a sharp trailing edge and a round tip.
@@ -87,7 +87,8 @@ impl Layout {
             // The face of a blunt tail has one step, too.
             if station.point.x == self.tail().point.x { 1 } else { steps(2.0 * height).max(1) }
         } else {
-            steps(PI * height).max(FEWEST_ROUND_STEPS)
+            // An even number has points in the chord plane, so that the wing is as wide as it should be.
+            (2 * steps(PI * height / 2.0)).max(FEWEST_ROUND_STEPS)
         }
     }
 
