@@ -13,7 +13,7 @@ use crate::mesh::fill::{Holes, fill};
 use crate::mesh::smooth::smooth;
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Mesh, Triangulation};
-use crate::mosaic::{self, Mosaic, MosaicOptions};
+use crate::mosaic::{self, Effort, Layer, Mosaic};
 use crate::surface::{FeatureOptions, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -155,12 +155,7 @@ pub fn run(
     let field = Field::new(&surface, &options.guides, backend)?;
 
     clock.begin(Stage::Mosaic);
-    let ground = backend.ground(&surface, &field)?;
-    let tell = |share| progress(Stage::Mosaic, share);
-    let mosaic = match options.fineness {
-        Fineness::Points(count) => mosaic::lay_count(&surface, &field, &*ground, count, &tell)?,
-        Fineness::Size(_) => mosaic::lay(&surface, &field, &*ground, &MosaicOptions::with_side(h), &tell)?,
-    };
+    let mosaic = lay(&surface, &field, backend, options.fineness, h, &|share| progress(Stage::Mosaic, share))?;
 
     clock.begin(Stage::Connect);
     let triangulation = triangulate(&surface, &field, &mosaic);
@@ -186,6 +181,22 @@ pub fn run(
     let times = clock.finish();
     let [before, mesh] = [filled, smoothed].map(|mesh| mesh.placed(surface.frame()));
     Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, holes, cleaned: counts, times })
+}
+
+fn lay(
+    surface: &Surface,
+    field: &Field,
+    backend: &dyn Backend,
+    fineness: Fineness,
+    h: f32,
+    progress: &dyn Fn(f32),
+) -> Result<Mosaic, ComputeError> {
+    let ground = backend.ground(surface, field)?;
+    let layer = Layer { surface, field, ground: &*ground, effort: Effort::default(), progress };
+    match fineness {
+        Fineness::Points(count) => layer.with_count(count),
+        Fineness::Size(_) => layer.with_side(h),
+    }
 }
 
 /// The side of the tiles, unit-sized.

@@ -72,9 +72,9 @@ impl Hierarchy {
         let mut levels = Vec::new();
         loop {
             let mut level = links.scaled();
-            let coarser = (level.len() > COARSEST).then(|| links.aggregate()).filter(|(parents, _, firsts)| {
-                firsts.len() * 10 < parents.len() * 9
-            });
+            let coarser = (level.len() > COARSEST)
+                .then(|| links.aggregate())
+                .filter(|(parents, _, firsts)| firsts.len() * 10 < parents.len() * 9);
             let Some((parents, turns, firsts)) = coarser else {
                 levels.push(level);
                 break;
@@ -172,9 +172,7 @@ impl Links {
                     parents[j] == NONE && self.pulls[j].is_fixed() == self.pulls[i].is_fixed()
                 })
                 .collect();
-            near.sort_by(|&a, &b| {
-                modulus(self.weights[b]).total_cmp(&modulus(self.weights[a])).then(a.cmp(&b))
-            });
+            near.sort_by(|&a, &b| modulus(self.weights[b]).total_cmp(&modulus(self.weights[a])).then(a.cmp(&b)));
             for &e in near.iter().take(MEMBERS) {
                 let j = self.neighbours[e] as usize;
                 let m = modulus(self.weights[e]);

@@ -182,8 +182,8 @@ fn barrier_only_once(surface: &Surface, first: u32, last: u32) -> bool {
 }
 
 fn corner_angle(surface: &Surface, corner: u32) -> f64 {
-    let [o, p, q] = [corner, next(corner), previous(corner)]
-        .map(|h| surface.points[surface.origin(h) as usize].as_dvec3());
+    let [o, p, q] =
+        [corner, next(corner), previous(corner)].map(|h| surface.points[surface.origin(h) as usize].as_dvec3());
     let (u, v) = (p - o, q - o);
     u.cross(v).length().atan2(u.dot(v))
 }

@@ -120,7 +120,9 @@ impl Intrinsic {
         let stay = if *closed { 1..count - 1 } else { 1..count };
         let places = self.places(fan);
         let to_v: Vec<f64> = (0..around.len())
-            .map(|i| if i < count { self.length[spokes[i] as usize] } else { self.length[previous(spokes[i - 1]) as usize] })
+            .map(|i| {
+                if i < count { self.length[spokes[i] as usize] } else { self.length[previous(spokes[i - 1]) as usize] }
+            })
             .collect();
         let mut to_x: Vec<f64> = (0..around.len()).map(|i| third_side(to_v[0], to_v[i], places[i])).collect();
         to_x[1] = self.length[next(spokes[0]) as usize];

@@ -145,7 +145,8 @@ impl<'a> Filler<'a> {
                     let quarter = self.faces.begin[e as usize] / std::f64::consts::FRAC_PI_2;
                     (quarter - quarter.round()).abs()
                 };
-                let cost = off(h) + off(self.faces.twin[h as usize]) + (self.faces.length[h as usize] / side - 1.0).abs();
+                let cost =
+                    off(h) + off(self.faces.twin[h as usize]) + (self.faces.length[h as usize] / side - 1.0).abs();
                 (needed, cost, h)
             })
             .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));

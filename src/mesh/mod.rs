@@ -32,6 +32,12 @@ impl Mesh {
         Self { points, ..Self::default() }
     }
 
+    /// The same mesh in model units, its vertices being in unit-sized coordinates.
+    pub(crate) fn placed(mut self, frame: &crate::surface::Frame) -> Self {
+        self.points.iter_mut().for_each(|point| *point = frame.to_model(*point));
+        self
+    }
+
     /// Adds a face, its vertices in counter-clockwise order.
     pub fn push_face(&mut self, face: &[u32]) {
         self.corners.extend_from_slice(face);
@@ -87,11 +93,5 @@ impl Edge {
     /// Whether faces lie on one side only: the edge is on the mesh's boundary.
     pub fn is_boundary(&self) -> bool {
         self.along == 0 || self.against == 0
-    }
-
-    /// The same mesh in model units, its vertices being in unit-sized coordinates.
-    pub(crate) fn placed(mut self, frame: &crate::surface::Frame) -> Self {
-        self.points.iter_mut().for_each(|point| *point = frame.to_model(*point));
-        self
     }
 }

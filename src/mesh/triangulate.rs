@@ -201,7 +201,8 @@ impl Work {
             self.faces.ring(vertex, &mut stack);
             let mut sides: Vec<u32> = stack.iter().map(|&h| super::intrinsic::next(h)).collect();
             let home = &self.home;
-            self.faces.legalize(&mut sides, |faces, h| home[h as usize / 3] == home[faces.twin[h as usize] as usize / 3]);
+            self.faces
+                .legalize(&mut sides, |faces, h| home[h as usize / 3] == home[faces.twin[h as usize] as usize / 3]);
             face = new / 3;
         }
         vertices

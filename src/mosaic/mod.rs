@@ -108,14 +108,12 @@ impl Mosaic {
     }
 }
 
-/// How many tiles, and how hard to work on them.
+/// How hard to work on the tiles of each level.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MosaicOptions {
-    /// The side of the tiles, in unit-sized coordinates.
-    pub h: f32,
+pub struct Effort {
     /// The coarsest mosaic has at least this many tiles, where the finest has. Default 70.
     pub first_tiles: usize,
-    /// Batches of relaxation, each followed by a census, on the coarsest level. Default 12.
+    /// Batches of relaxation, each after a census, on the coarsest level. Default 12.
     pub first_batches: usize,
     /// Batches on each finer level. Default 4.
     pub batches: usize,
@@ -123,12 +121,9 @@ pub struct MosaicOptions {
     pub steps: u32,
 }
 
-impl MosaicOptions {
-    const FIRST_TILES: usize = 70;
-
-    /// The defaults, for tiles of side `h`.
-    pub fn with_side(h: f32) -> Self {
-        Self { h, first_tiles: Self::FIRST_TILES, first_batches: 12, batches: 4, steps: 8 }
+impl Default for Effort {
+    fn default() -> Self {
+        Self { first_tiles: 70, first_batches: 12, batches: 4, steps: 8 }
     }
 }
 
@@ -141,54 +136,104 @@ pub fn side_for_count(surface: &Surface, count: usize) -> f32 {
     (1.0 / inverse) as f32
 }
 
-/// A mosaic of nearly `count` tiles.
-///
-/// Rows that end leave gaps, so a mosaic has some tiles less than its area asks for, by about the same share on every
-/// level. That share is measured first on a mosaic one level coarser.
-///
-/// # Errors
-/// Where the backend fails.
-pub fn lay_count(
-    surface: &Surface,
-    field: &Field,
-    ground: &dyn Ground,
-    count: usize,
-    progress: &dyn Fn(f32),
-) -> Result<Mosaic, ComputeError> {
-    let plan = |wanted: usize| MosaicOptions::with_side(side_for_count(surface, wanted));
-    let trial = if count >= 9 * MosaicOptions::FIRST_TILES { count / 9 } else { count };
-    let found = lay(surface, field, ground, &plan(trial), &|share| progress(0.1 * share))?.count();
-    let wanted = (count as f64 * (trial as f64 / found as f64).clamp(0.8, 1.25)).round() as usize;
-    lay(surface, field, ground, &plan(wanted), &|share| progress(0.1 + 0.9 * share))
+/// Lays mosaics on one surface.
+pub struct Layer<'a> {
+    /// The surface.
+    pub surface: &'a Surface,
+    /// Its field.
+    pub field: &'a Field,
+    /// Both, made ready for relaxation.
+    pub ground: &'a dyn Ground,
+    /// How hard to work.
+    pub effort: Effort,
+    /// Is told how far the work is, from 0 to 1.
+    pub progress: &'a dyn Fn(f32),
 }
 
-/// Lays a mosaic: few large tiles first, split until they have the wanted side.
-///
-/// # Errors
-/// Where the backend fails.
-pub fn lay(
-    surface: &Surface,
-    field: &Field,
-    ground: &dyn Ground,
-    options: &MosaicOptions,
-    progress: &dyn Fn(f32),
-) -> Result<Mosaic, ComputeError> {
-    let finest = surface.area() / f64::from(options.h * options.h);
-    let levels = (finest / options.first_tiles as f64).log(9.0).floor().max(0.0) as i32;
-    let mut h = options.h * 3f32.powi(levels);
-    let mut mosaic = Mosaic::new(surface, field, h, sow::sow(surface, field, h));
-    for level in 0..=levels {
-        if level > 0 {
-            h = options.h * 3f32.powi(levels - level);
-            mosaic = Mosaic::new(surface, field, h, refine::refine(surface, field, &mosaic, h));
-        }
-        let batches = if level == 0 { options.first_batches } else { options.batches };
-        let relaxation = Relaxation::new(options.steps, h);
-        for batch in 0..batches {
-            mosaic = census::take(surface, field, &mosaic, batch + 1 < batches);
-            mosaic.tiles = ground.relax(&mosaic.tiles, &relaxation)?;
-            progress((level as f32 + (batch + 1) as f32 / batches as f32) / (levels + 1) as f32);
-        }
+/// A mosaic may miss the asked count by this share before another coarse one is tried.
+const COUNT_ERROR: f64 = 0.005;
+/// Coarse mosaics that are tried.
+const TRIES: usize = 5;
+
+impl Layer<'_> {
+    /// A mosaic of tiles of side `h`, unit-sized: few large tiles first, split until they have that side.
+    ///
+    /// # Errors
+    /// Where the backend fails.
+    pub fn with_side(&self, h: f32) -> Result<Mosaic, ComputeError> {
+        let levels = self.levels(h);
+        let coarse = self.coarse(h, levels)?;
+        self.finest(coarse, h, levels)
     }
-    Ok(census::take(surface, field, &mosaic, true))
+
+    /// A mosaic of nearly `count` tiles.
+    ///
+    /// Each tile of the last coarse level becomes nine, so that level decides the count; it is cheap, and laid again
+    /// with another side until the count is right.
+    ///
+    /// # Errors
+    /// Where the backend fails.
+    pub fn with_count(&self, count: usize) -> Result<Mosaic, ComputeError> {
+        let mut h = side_for_count(self.surface, count);
+        let mut best: Option<(f64, f32, i32, Mosaic)> = None;
+        for _ in 0..TRIES {
+            let levels = self.levels(h);
+            let coarse = self.coarse(h, levels)?;
+            let promised = if levels == 0 { coarse.count() } else { self.refined(&coarse, h).count() };
+            let ratio = promised.max(1) as f64 / count as f64;
+            let miss = ratio.ln().abs();
+            if best.as_ref().is_none_or(|b| miss < b.0) {
+                best = Some((miss, h, levels, coarse));
+            }
+            if miss < COUNT_ERROR {
+                break;
+            }
+            h *= ratio.sqrt() as f32;
+        }
+        let (_, h, levels, coarse) = best.expect("one try at least");
+        self.finest(coarse, h, levels)
+    }
+
+    /// How many times tiles are split by three to reach side `h`.
+    fn levels(&self, h: f32) -> i32 {
+        let finest = self.surface.area() / f64::from(h * h);
+        (finest / self.effort.first_tiles as f64).log(9.0).floor().max(0.0) as i32
+    }
+
+    /// The levels before the finest; where there is one level only, that.
+    fn coarse(&self, h: f32, levels: i32) -> Result<Mosaic, ComputeError> {
+        let first = h * 3f32.powi(levels);
+        let sown = Mosaic::new(self.surface, self.field, first, sow::sow(self.surface, self.field, first));
+        let mut mosaic = self.settled(sown, first, self.effort.first_batches)?;
+        for level in 1..levels {
+            let h = h * 3f32.powi(levels - level);
+            mosaic = self.settled(self.refined(&mosaic, h), h, self.effort.batches)?;
+            (self.progress)(0.3 * level as f32 / levels as f32);
+        }
+        Ok(mosaic)
+    }
+
+    fn finest(&self, coarse: Mosaic, h: f32, levels: i32) -> Result<Mosaic, ComputeError> {
+        if levels == 0 {
+            return Ok(coarse);
+        }
+        self.settled(self.refined(&coarse, h), h, self.effort.batches)
+    }
+
+    fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {
+        let free = refine::refine(self.surface, self.field, coarse, h);
+        let refined = Mosaic::new(self.surface, self.field, h, free);
+        census::take(self.surface, self.field, &refined, true)
+    }
+
+    /// Relaxed in batches, with a census after each.
+    fn settled(&self, mut mosaic: Mosaic, h: f32, batches: usize) -> Result<Mosaic, ComputeError> {
+        let relaxation = Relaxation::new(self.effort.steps, h);
+        for batch in 0..batches {
+            mosaic.tiles = self.ground.relax(&mosaic.tiles, &relaxation)?;
+            mosaic = census::take(self.surface, self.field, &mosaic, true);
+            (self.progress)(0.3 + 0.7 * (batch + 1) as f32 / batches as f32);
+        }
+        Ok(mosaic)
+    }
 }

@@ -59,12 +59,7 @@ fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame) -> Result<Vec<u3
 }
 
 /// Which triangles have to be turned over.
-fn turn(
-    points: &[Vec3],
-    triangles: &[[u32; 3]],
-    pairs: &[u32],
-    frame: &Frame,
-) -> Result<Vec<bool>, SurfaceError> {
+fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -> Result<Vec<bool>, SurfaceError> {
     let mut turned = vec![false; triangles.len()];
     let mut seen = vec![false; triangles.len()];
     let origin = |h: u32| triangles[h as usize / 3][h as usize % 3];

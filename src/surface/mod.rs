@@ -126,8 +126,7 @@ impl Surface {
         let (frame, points, mut triangles, mut repairs) = weld::weld(soup)?;
         let mut positions = points;
         let twins = adjacency::orient(&mut positions, &mut triangles, &frame, &mut repairs)?;
-        let mut surface =
-            Self { points: positions, triangles, twins, features: Features::default(), frame, repairs };
+        let mut surface = Self { points: positions, triangles, twins, features: Features::default(), frame, repairs };
         surface.features = Features::find(&surface, options);
         Ok(surface)
     }
