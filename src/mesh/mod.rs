@@ -1,6 +1,8 @@
 //! The output: from a mosaic to a polygon mesh.
 
 pub mod check;
+pub mod clean;
+mod edit;
 pub mod quality;
 
 use rayon::prelude::*;
