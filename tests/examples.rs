@@ -301,6 +301,30 @@ fn the_sharp_trailing_edge_is_one_straight_crease() {
     assert_eq!(along, tail.len() - 1, "neighbours along the edge are joined");
 }
 
+#[test]
+fn the_default_wing_has_no_other_crease() {
+    let creases_beside_the_tail = |soup: &Soup| {
+        let normals: Vec<_> = corners(soup).map(|[a, b, c]| cross(minus(b, a), minus(c, a))).collect();
+        let mut facing = BTreeMap::<_, Vec<usize>>::new();
+        for (triangle, &[a, b, c]) in soup.triangles.iter().enumerate() {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                facing.entry((from.min(to), from.max(to))).or_default().push(triangle);
+            }
+        }
+        let sharp = |sides: &[usize]| {
+            let [left, right] = sides else { return false };
+            let (left, right) = (normals[*left], normals[*right]);
+            dot(left, right) < 40.0_f64.to_radians().cos() * length(left) * length(right)
+        };
+        let beside = |&(a, b): &(u32, u32)| ![a, b].iter().all(|&end| on_tail(soup.points[end as usize]));
+        facing.iter().filter(|(edge, sides)| sharp(sides) && beside(edge)).count()
+    };
+    for count in [7_000, 20_000, 100_000] {
+        assert_eq!(creases_beside_the_tail(&wing(false, false, false).generate(count)), 0, "{count} triangles");
+    }
+    assert!(creases_beside_the_tail(&wing(false, true, false).generate(20_000)) > 50, "a flat tip has a rim");
+}
+
 /// Whether a point is on the line of the sharp trailing edge. Its ends come from the published planform; 1e-5 is what its
 /// digits leave open, and the lines next to it are a thousand times as far.
 fn on_tail(point: Vector) -> bool {

@@ -9,7 +9,8 @@
 //! Lines run along the span, from root to tip, at stations that crowd at the leading edge by curvature. Every line has its
 //! own number of points, closer where the chord is shorter, so that triangles are near right-isosceles or equilateral at
 //! the nose, too. Where the geometry itself is thinner than the triangles they are slender: round the last points of the
-//! tip cap before the trailing edge, and on the face of a blunt trailing edge.
+//! tip cap before the trailing edge, and on the face of a blunt trailing edge. Below some 6,500 triangles to a half wing
+//! the nose is so coarse that its edges turn by more than 40 degrees and count as creases.
 
 use std::f64::consts::PI;
 
