@@ -4,5 +4,7 @@
 //! into rows by repulsion. Tile centres become mesh vertices. See [`pipeline`] for the whole method in one function.
 
 pub mod export;
+pub mod gpu;
 pub mod mesh;
+pub mod mosaic;
 pub mod surface;
