@@ -7,6 +7,7 @@ pub mod compute;
 pub mod export;
 pub mod field;
 mod geometry;
+pub mod gpu;
 pub mod mesh;
 pub mod mosaic;
 pub mod pipeline;

@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# Runs every check on a machine that has Rust and nothing else; the last line counts them.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+exec </dev/null
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+
+# Lints and docs: one check each. A missing component of the toolchain is a skip, not a failure.
+passed=0 failed=0 skipped=0
+check() {
+    local what=$1; shift
+    echo "== $what"
+    if "$@"; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED $what"; fi
+}
+skip() {
+    echo "SKIPPED $1: $2"
+    skipped=$((skipped + 1))
+}
+
+# The GPU tests run on Mesa's software driver where there is no other.
+if ! ls /usr/share/vulkan/icd.d/*icd*.json /etc/vulkan/icd.d/*icd*.json 2>/dev/null | grep -q .; then
+    root=()
+    if [ "$(id -u)" -ne 0 ]; then root=(sudo -n); fi
+    echo "== no Vulkan driver found: installing Mesa's"
+    if ! { "${root[@]}" apt-get update -qq && DEBIAN_FRONTEND=noninteractive "${root[@]}" apt-get install -y -qq --no-install-recommends mesa-vulkan-drivers libvulkan1; }; then
+        echo "No Vulkan driver could be installed; the GPU tests need one (as root: apt-get install mesa-vulkan-drivers libvulkan1), or QUADMOSAIC_REQUIRE_GPU=0 to skip them." >&2
+    fi
+fi
+export QUADMOSAIC_REQUIRE_GPU="${QUADMOSAIC_REQUIRE_GPU-1}"
+
+if cargo fmt --version >/dev/null 2>&1; then
+    check "cargo fmt" cargo fmt --check
+else
+    skip "cargo fmt" "rustfmt is not installed (rustup component add rustfmt)"
+fi
+if cargo clippy --version >/dev/null 2>&1; then
+    check "cargo clippy" cargo clippy --release --all-targets -- -D warnings
+else
+    skip "cargo clippy" "clippy is not installed (rustup component add clippy)"
+fi
+check "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --quiet
+
+# One profile, so that the dependencies are built once. A test that skips itself says so in a line of its own, and
+# cargo counts it as passed: it is taken off there.
+echo "== cargo test"
+cargo test --release --no-fail-fast -- --show-output 2>&1 | tee "$log"
+status=${PIPESTATUS[0]}
+counts=$(awk '
+    /Running|Doc-tests/ { binary = $0 }
+    /^test result:/ {
+        for (i = 2; i <= NF; i++) { if ($i ~ /^passed/) p += $(i-1); if ($i ~ /^failed/) f += $(i-1); if ($i ~ /^ignored/) s += $(i-1) }
+    }
+    match($0, /SKIPPED [^:]*(::[^:]*)*: /) {
+        s++
+        if (!seen[binary, substr($0, RSTART, RLENGTH)]++) p--
+    }
+    END { print p + 0, f + 0, s + 0 }' "$log")
+read -r p f s <<<"$counts"
+# A test that does not compile, or dies, is in no count of cargo's.
+if [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
+passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
+
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ]
