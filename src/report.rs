@@ -37,6 +37,8 @@ pub struct Report {
     pub faults: Faults,
     /// How long each stage took, in order.
     pub times: Vec<Time>,
+    /// Milliseconds of all stages together.
+    pub total_milliseconds: f64,
 }
 
 /// What was read.
@@ -101,6 +103,7 @@ impl Report {
     /// Measures and checks what [`run`](crate::pipeline::run) made of the surface called `name`.
     pub fn new(name: &str, options: &Options, backend: &dyn Backend, outcome: &Outcome) -> Self {
         let surface = &outcome.surface;
+        let times: Vec<Time> = outcome.times.iter().map(|&(stage, time)| Time::new(stage.name(), time)).collect();
         Self {
             version: VERSION,
             program: concat!("quadmosaic ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -127,19 +130,29 @@ impl Report {
             mesh: Quality::of(&outcome.mesh),
             cleaned: outcome.cleaned.clone(),
             faults: check(&outcome.mesh),
-            times: outcome.times.iter().map(|&(stage, time)| Time::new(stage.name(), time)).collect(),
+            total_milliseconds: total(&times),
+            times,
         }
     }
 
-    /// Milliseconds of all stages together.
-    pub fn total(&self) -> f64 {
-        self.times.iter().map(|time| time.milliseconds).sum()
+    /// Adds the times of what came before and after the pipeline: reading, writing and the like.
+    pub fn with_times(mut self, before: &[(&'static str, Duration)], after: &[(&'static str, Duration)]) -> Self {
+        let times = |list: &[(&'static str, Duration)]| -> Vec<Time> {
+            list.iter().map(|&(stage, time)| Time::new(stage, time)).collect()
+        };
+        self.times.splice(0..0, times(before));
+        self.times.extend(times(after));
+        self.total_milliseconds = total(&self.times);
+        self
     }
 }
 
+fn total(times: &[Time]) -> f64 {
+    times.iter().map(|time| time.milliseconds).sum()
+}
+
 impl Time {
-    /// A stage's time.
-    pub fn new(stage: &'static str, time: Duration) -> Self {
+    fn new(stage: &'static str, time: Duration) -> Self {
         Self { stage, milliseconds: time.as_secs_f64() * 1e3 }
     }
 }
