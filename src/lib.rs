@@ -11,4 +11,5 @@ pub mod gpu;
 pub mod mesh;
 pub mod mosaic;
 pub mod pipeline;
+pub mod report;
 pub mod surface;

@@ -15,11 +15,13 @@
 //! follows it on its own. A sector's angles are scaled to sum to 2 pi inside, to pi along a feature and to a multiple
 //! of 90 degrees at a corner, so that rows meet a feature squarely whatever its angle is in space.
 
+mod guide_file;
 mod guides;
 mod hierarchy;
 mod sectors;
 pub mod smooth;
 
+pub use guide_file::{GuideFault, GuideFileError, read_guides};
 pub use guides::Guide;
 pub use hierarchy::{Hierarchy, Level};
 pub use sectors::Sectors;

@@ -8,9 +8,11 @@ mod edit;
 pub mod fill;
 mod intrinsic;
 pub mod quality;
+mod read;
 pub mod smooth;
 pub mod triangulate;
 
+pub use read::read_mesh;
 pub use triangulate::Triangulation;
 
 use rayon::prelude::*;

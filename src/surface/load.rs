@@ -150,6 +150,12 @@ pub enum LineFault {
 /// # Errors
 /// [`LoadError`] says what is wrong, where, and what to do.
 pub fn read(path: &Path) -> Result<Soup, LoadError> {
+    let (text, file) = contents(path)?;
+    parse_obj(&text, &file)
+}
+
+/// A file's bytes, and its name as errors say it.
+pub(crate) fn contents(path: &Path) -> Result<(Vec<u8>, String), LoadError> {
     let file = path.display().to_string();
     if path.is_dir() {
         return Err(LoadError::Directory { file });
@@ -161,7 +167,7 @@ pub fn read(path: &Path) -> Result<Soup, LoadError> {
         return Err(LoadError::UnknownFormat { file });
     }
     let text = fs::read(path).map_err(|source| LoadError::Unreadable { file: file.clone(), source })?;
-    parse_obj(&text, &file)
+    Ok((text, file))
 }
 
 /// Reads a surface from the bytes of a Wavefront OBJ file. Keeps the vertices that faces use, in order of first use.
@@ -169,6 +175,12 @@ pub fn read(path: &Path) -> Result<Soup, LoadError> {
 /// # Errors
 /// As [`read`]; messages call the file `name`.
 pub fn parse_obj(text: &[u8], name: &str) -> Result<Soup, LoadError> {
+    polygons(text, name, false).map(|mesh| triangulated(&mesh))
+}
+
+/// The polygons of a Wavefront OBJ file. With `all_vertices`, vertices stay in the order of the file, and so do those that
+/// no face uses; each is then a face of one corner as well, before the others.
+pub(crate) fn polygons(text: &[u8], name: &str, all_vertices: bool) -> Result<tobj::Mesh, LoadError> {
     if text.is_empty() {
         return Err(LoadError::Empty { file: name.to_owned() });
     }
@@ -176,19 +188,28 @@ pub fn parse_obj(text: &[u8], name: &str) -> Result<Soup, LoadError> {
         return Err(LoadError::Binary { file: name.to_owned(), offset });
     }
     // Indexed by position alone: else tobj splits vertices where texture coordinates differ.
-    let options = tobj::LoadOptions { single_index: false, ..Default::default() };
+    let options = tobj::LoadOptions { single_index: false, ignore_points: !all_vertices, ..Default::default() };
     let no_materials = |_: &Path| Ok(Default::default());
-    let mesh = tobj::load_obj_buf(&mut positions_and_faces(text).as_bytes(), &options, no_materials)
+    let points = if all_vertices { one_point_a_vertex(text) } else { String::new() };
+    let mesh = tobj::load_obj_buf(&mut (points + &positions_and_faces(text)).as_bytes(), &options, no_materials)
         .map_err(|error| explained(text, name, &error.to_string()))?
         .0
         .pop()
         .map(|model| model.mesh)
         .unwrap_or_default();
     let finite = mesh.positions.iter().all(|coordinate| coordinate.is_finite());
-    if !finite || mesh.indices.is_empty() || mesh.face_arities.iter().any(|&corners| corners < 3) {
+    let singles = if all_vertices { mesh.positions.len() / 3 } else { 0 };
+    let faces = mesh.face_arities.get(singles..).unwrap_or_default();
+    if !finite || mesh.indices.len() <= singles || faces.iter().any(|&corners| corners < 3) {
         return Err(explained(text, name, "some faces or coordinates make no sense"));
     }
-    Ok(triangulated(&mesh))
+    Ok(mesh)
+}
+
+/// Makes `tobj` see every vertex, in order, before any face.
+fn one_point_a_vertex(text: &[u8]) -> String {
+    let vertices = lines(text).filter(|(_, line)| matches!(Record::of(line), Some(Record::Vertex(_)))).count();
+    (1..=vertices).map(|vertex| format!("p {vertex}\n")).collect()
 }
 
 fn triangulated(mesh: &tobj::Mesh) -> Soup {

@@ -1,0 +1,51 @@
+//! `quadmosaic example`.
+
+use super::input;
+use super::output::{expect_writable, obj_path, print};
+use clap::{Args, CommandFactory, error::ErrorKind};
+use quadmosaic::export::write_soup;
+use quadmosaic::surface::examples::{Example, M6Options};
+use std::path::PathBuf;
+
+/// Writes an example surface as triangles
+///
+/// m6: the ONERA M6 wing, a half with an open root, in metres; torus: radii 1 and 0.4; sphere: radius 1; plate: the unit
+/// square with a round hole; block: a box with a bore.
+#[derive(Args)]
+pub struct Arguments {
+    /// Which one: m6, torus, sphere, plate or block
+    #[arg(value_parser = <Example as std::str::FromStr>::from_str)]
+    example: Example,
+    /// About how many triangles
+    #[arg(long, value_name = "N", default_value_t = Example::DEFAULT_TRIANGLES, value_parser = input::triangles)]
+    triangles: usize,
+    /// m6 only: keep the published blunt trailing edge (default: sharp)
+    #[arg(long)]
+    blunt: bool,
+    /// m6 only: close the tip by a flat face (default: round)
+    #[arg(long)]
+    flat_tip: bool,
+    /// m6 only: both halves, closed (default: one half, open at the root)
+    #[arg(long)]
+    whole_span: bool,
+    /// Where the triangles go
+    #[arg(short, long, value_name = "FILE.obj", value_parser = obj_path)]
+    output: PathBuf,
+}
+
+pub fn run(arguments: Arguments) -> anyhow::Result<()> {
+    let Arguments { example, triangles, blunt, flat_tip, whole_span, output } = arguments;
+    let options = M6Options { blunt, flat_tip, whole_span };
+    let example = match example {
+        Example::M6(_) => Example::M6(options),
+        other if options == M6Options::default() => other,
+        _ => {
+            let message = "--blunt, --flat-tip and --whole-span go with the example m6 only";
+            return Err(super::Arguments::command().error(ErrorKind::ArgumentConflict, message).into());
+        }
+    };
+    expect_writable(&output, &[])?;
+    let soup = example.generate(triangles);
+    write_soup(&output, &soup)?;
+    print(&format!("{}: {} triangles, {} vertices\n", output.display(), soup.triangles.len(), soup.points.len()))
+}

@@ -1,0 +1,239 @@
+//! `quadmosaic mesh`.
+
+use super::backend::{Choice, Device};
+use super::input::Input;
+use super::output::{expect_writable, obj_path, print};
+use super::summary;
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use quadmosaic::export::{atomic, write_obj};
+use quadmosaic::field::{Guide, read_guides};
+use quadmosaic::mesh::connect::ConnectOptions;
+use quadmosaic::mesh::fill;
+use quadmosaic::pipeline::{self, Fineness, Options, POINTS, Stage};
+use quadmosaic::report::Report;
+use quadmosaic::surface::FeatureOptions;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Meshes a triangle surface
+///
+/// Reads a triangle surface, lays square tiles on it in rows that follow its features and your guides, and connects their
+/// centres to a mesh of quads and a few triangles. Prints what was read, what was made, and how good it is.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// The surface: a Wavefront OBJ file, or an example: example:NAME or example:NAME:TRIANGLES, NAME one of m6, torus,
+    /// sphere, plate, block
+    #[arg(value_name = "IN")]
+    input: Input,
+    /// Where the mesh goes; there is either a whole mesh or no file
+    #[arg(short, long, value_name = "OUT.obj", value_parser = obj_path)]
+    output: PathBuf,
+
+    /// Number of vertices wanted, 4 to 50000000 [default: 6000]
+    #[arg(long, value_name = "N", value_parser = points, conflicts_with = "size", help_heading = "Fineness")]
+    points: Option<usize>,
+    /// Instead of --points: the edge length wanted, in model units
+    #[arg(long, value_name = "H", value_parser = positive, help_heading = "Fineness")]
+    size: Option<f64>,
+
+    /// Dihedral angle in degrees (1 to 180) over which an edge is a crease that the mesh keeps; 180: none is
+    #[arg(long, value_name = "ANGLE", default_value_t = 40.0, value_parser = degrees::<180>, help_heading = "Rows")]
+    crease: f64,
+    /// A guide: rows run along DX,DY,DZ near the point X,Y,Z, and within the distance R of it. May be given many times
+    #[arg(long = "guide", value_name = "X,Y,Z,DX,DY,DZ[,R]", allow_hyphen_values = true, help_heading = "Rows")]
+    guides: Vec<Guide>,
+    /// Guides from a file: 6 or 7 numbers a line, apart by commas or blanks; # begins a comment, a header line may be first
+    #[arg(long = "guides", value_name = "FILE", help_heading = "Rows")]
+    guide_files: Vec<PathBuf>,
+
+    /// L: the longest edge, in tile sides (1 to 10)
+    #[arg(long, value_name = "L", default_value_t = 1.6, value_parser = distance, help_heading = "Connection")]
+    max_distance: f64,
+    /// Theta: the largest angle between an edge and its row, in degrees (1 to 45)
+    #[arg(
+        long,
+        value_name = "THETA",
+        default_value_t = 30.0,
+        value_parser = degrees::<45>,
+        help_heading = "Connection"
+    )]
+    max_angle: f64,
+    /// What becomes of faces with more than four sides
+    #[arg(long, value_enum, default_value_t, help_heading = "Connection")]
+    holes: Holes,
+    /// Leave the mesh as the filling of holes makes it, with its triangles
+    #[arg(long, help_heading = "Connection")]
+    no_cleanup: bool,
+    /// Passes of smoothing at the end, 0 to 1000
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
+    smoothing: usize,
+
+    /// Where the heavy stages run
+    #[arg(long, value_enum, default_value_t, help_heading = "Machine")]
+    backend: Choice,
+    /// The GPU whose name contains this text (see `quadmosaic devices`)
+    #[arg(long, value_name = "NAME", help_heading = "Machine")]
+    adapter: Option<String>,
+    /// Threads on the CPU, up to 1024; 0: as many as there are cores. The mesh is the same for any number
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>, help_heading = "Machine")]
+    threads: usize,
+
+    /// Write what is printed, and more, as JSON
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
+    /// Print warnings and errors only
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  The ONERA M6 wing with 6000 vertices:
+    quadmosaic mesh example:m6 --points 6000 -o m6.obj
+  Edges of 20 mm on a model in metres, rows along x near the point 1,0,0.5, figures as JSON:
+    quadmosaic mesh car.obj --size 0.02 --guide 1,0,0.5,1,0,0 --report car.json -o quads.obj";
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Holes {
+    /// Split into quads and at most one triangle each
+    #[default]
+    Patterns,
+    /// Split into triangles
+    Triangles,
+    /// Left as polygons
+    Leave,
+}
+
+pub fn run(arguments: Arguments) -> anyhow::Result<()> {
+    arguments.expect_writable()?;
+    let options = arguments.options()?;
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads)
+        .build_global()
+        .context("the threads cannot be started; ask for fewer with --threads")?;
+    let name = arguments.input.to_string();
+
+    let (soup, reading) = timed(|| arguments.input.read());
+    let soup = soup?;
+    let (device, opening) = timed(|| Device::open(arguments.backend, arguments.adapter.as_deref()));
+    let device = device?;
+    let (backend, compiling) = timed(|| device.backend());
+    let backend = backend?;
+
+    let progress = Progress::new(arguments.quiet);
+    let outcome = pipeline::run(&soup, &options, &*backend, &|stage, share| progress.show(stage, share));
+    progress.bar.finish_and_clear();
+    let outcome = outcome.context(name.clone())?;
+
+    let (report, measuring) = timed(|| Report::new(&name, &options, &*backend, &outcome));
+    let (written, writing) = timed(|| write_obj(&arguments.output, &outcome.mesh));
+    written?;
+    let report = report.with_times(
+        &[("read", reading), ("device", opening + compiling)],
+        &[("measure", measuring), ("write", writing)],
+    );
+    if let Some(path) = &arguments.report {
+        atomic(path, |writer| {
+            serde_json::to_writer_pretty(&mut *writer, &report)?;
+            writeln!(writer)
+        })?;
+    }
+    if !arguments.quiet {
+        print(&summary::of_run(&report))?;
+    }
+    if !report.faults.is_clean() {
+        eprintln!("warning: {} has {}", arguments.output.display(), report.faults);
+    }
+    Ok(())
+}
+
+impl Arguments {
+    /// Before long work: that what it makes can be kept.
+    fn expect_writable(&self) -> anyhow::Result<()> {
+        let mut taken: Vec<&Path> = self.input.path().into_iter().collect();
+        for path in [&self.output].into_iter().chain(&self.report) {
+            expect_writable(path, &taken)?;
+            taken.push(path);
+        }
+        Ok(())
+    }
+
+    fn options(&self) -> anyhow::Result<Options> {
+        let fineness = match (self.points, self.size) {
+            (_, Some(size)) => Fineness::Size(size),
+            (points, None) => Fineness::Points(points.unwrap_or(6000)),
+        };
+        let mut guides = self.guides.clone();
+        for file in &self.guide_files {
+            guides.extend(read_guides(file)?);
+        }
+        let defaults = Options::new(fineness);
+        Ok(Options {
+            features: FeatureOptions { crease: self.crease, ..defaults.features },
+            guides,
+            connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
+            holes: match self.holes {
+                Holes::Patterns => fill::Holes::Patterns,
+                Holes::Triangles => fill::Holes::Triangles,
+                Holes::Leave => fill::Holes::Leave,
+            },
+            cleanup: defaults.cleanup.filter(|_| !self.no_cleanup),
+            smoothing: self.smoothing,
+            ..defaults
+        })
+    }
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+    let start = Instant::now();
+    let done = work();
+    (done, start.elapsed())
+}
+
+/// A bar on stderr, hidden where that is no terminal.
+struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    fn new(quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(100) };
+        let style = ProgressStyle::with_template("{msg:8} {bar:40} {percent:>3} %").expect("the template is right");
+        Self { bar: bar.with_style(style) }
+    }
+
+    fn show(&self, stage: Stage, share: f32) {
+        self.bar.set_message(stage.name());
+        self.bar.set_position((100.0 * share) as u64);
+    }
+}
+
+fn points(text: &str) -> Result<usize, String> {
+    let refusal = || format!("ask for {} to {} vertices", POINTS.start(), POINTS.end());
+    text.parse().ok().filter(|count| POINTS.contains(count)).ok_or_else(refusal)
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let length = text.parse::<f64>().ok().filter(|length| length.is_finite() && *length > 0.0);
+    length.ok_or_else(|| "a length is a number above 0, in model units".to_owned())
+}
+
+fn degrees<const MOST: u32>(text: &str) -> Result<f64, String> {
+    number(text, 1.0..=f64::from(MOST)).ok_or_else(|| format!("the angle is a number from 1 to {MOST}, in degrees"))
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    number(text, 1.0..=10.0).ok_or_else(|| "the distance is a number from 1 to 10, in tile sides".to_owned())
+}
+
+fn up_to<const MOST: usize>(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|count| *count <= MOST).ok_or_else(|| format!("write a whole number from 0 to {MOST}"))
+}
+
+fn number(text: &str, range: RangeInclusive<f64>) -> Option<f64> {
+    text.parse().ok().filter(|number| range.contains(number))
+}

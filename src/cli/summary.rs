@@ -1,0 +1,105 @@
+//! Figures for a person: a name and what there is to say, a line each.
+
+use quadmosaic::mesh::check::Faults;
+use quadmosaic::mesh::quality::{Quality, Spread};
+use quadmosaic::report::{Asked, Report};
+use quadmosaic::surface::Repairs;
+
+/// All of a run.
+pub fn of_run(report: &Report) -> String {
+    let Report { input, mesh, before, mosaic, backend, .. } = report;
+    let asked = match report.asked {
+        Asked::Points(count) => format!("{count} asked for"),
+        Asked::Size(size) => format!("tiles of side {size} asked for"),
+    };
+    let surface = format!(
+        "{}: {}, {}, diagonal {:.4}",
+        input.name,
+        counted(input.triangles, "triangle"),
+        counted(input.vertices, "vertex"),
+        input.diagonal
+    );
+    let features = format!("{}, {}", counted(input.curves, "curve"), counted(input.corners, "corner"));
+    let holes = format!("{} in the connected mosaic, {} left", mosaic.holes, mesh.polygons);
+    let times: Vec<_> = report.times.iter().map(|time| format!("{} {:.0}", time.stage, time.milliseconds)).collect();
+    lines(&[
+        ("surface", surface),
+        ("repairs", repairs(&input.repairs)),
+        ("features", features),
+        ("vertices", format!("{} ({asked})", mesh.vertices)),
+        ("faces", faces(mesh)),
+        ("Qr", format!("{:.3} ({:.3} before clean-up)", mesh.qr, before.qr)),
+        ("Qg", spread(mesh.qg)),
+        ("Tg", spread(mesh.tg)),
+        ("Jacobian", jacobian(mesh)),
+        ("irregular", irregular(mesh)),
+        ("holes", holes),
+        ("check", report.faults.to_string()),
+        ("backend", format!("{}, {}", backend.name, backend.adapter)),
+        ("time", format!("{:.0} ms: {}", report.total_milliseconds, times.join(", "))),
+    ])
+}
+
+/// A mesh alone.
+pub fn of_mesh(mesh: &Quality, faults: &Faults) -> String {
+    lines(&[
+        ("vertices", mesh.vertices.to_string()),
+        ("faces", faces(mesh)),
+        ("Qr", format!("{:.3}", mesh.qr)),
+        ("Qg", spread(mesh.qg)),
+        ("Tg", spread(mesh.tg)),
+        ("Jacobian", jacobian(mesh)),
+        ("irregular", irregular(mesh)),
+        ("check", faults.to_string()),
+    ])
+}
+
+/// `1 corner`, `2 corners`, `0 vertices`.
+pub fn counted(count: usize, what: &str) -> String {
+    match (count, what.strip_suffix("ex")) {
+        (1, _) => format!("1 {what}"),
+        (_, Some(stem)) => format!("{count} {stem}ices"),
+        (_, None) => format!("{count} {what}s"),
+    }
+}
+
+fn lines(entries: &[(&str, String)]) -> String {
+    let width = entries.iter().map(|(name, _)| name.len()).max().unwrap_or_default();
+    entries.iter().map(|(name, text)| format!("{name:width$}  {text}\n")).collect()
+}
+
+fn repairs(repairs: &Repairs) -> String {
+    let said: Vec<_> = [
+        (repairs.welded_points, "point", "welded"),
+        (repairs.degenerate_triangles, "triangle", "without area dropped"),
+        (repairs.duplicate_triangles, "repeated triangle", "dropped"),
+        (repairs.flipped_triangles, "triangle", "turned over"),
+        (repairs.split_vertices, "vertex", "split"),
+    ]
+    .into_iter()
+    .filter(|(count, ..)| *count > 0)
+    .map(|(count, what, done)| format!("{} {done}", counted(count, what)))
+    .collect();
+    if said.is_empty() { "none".to_owned() } else { said.join(", ") }
+}
+
+fn faces(mesh: &Quality) -> String {
+    let larger = match mesh.polygons {
+        0 => String::new(),
+        count => format!(", {count} of more sides"),
+    };
+    format!("{}, {}{larger}", counted(mesh.quads, "quad"), counted(mesh.triangles, "triangle"))
+}
+
+fn spread(measure: Option<Spread>) -> String {
+    measure.map_or("none".to_owned(), |of| format!("{:.3} (worst {:.3})", of.mean, of.min))
+}
+
+fn jacobian(mesh: &Quality) -> String {
+    mesh.scaled_jacobian.map_or("none".to_owned(), |of| format!("{:.3} scaled, at least", of.min))
+}
+
+fn irregular(mesh: &Quality) -> String {
+    let of = counted(mesh.interior_vertices, "interior vertex");
+    format!("{} of {of} ({:.2} %)", mesh.irregular_vertices, 100.0 * mesh.irregular())
+}

@@ -1,0 +1,52 @@
+//! Reads polygon meshes, to check and measure what this or another program wrote.
+
+use super::Mesh;
+use crate::surface::load::{LoadError, contents, polygons};
+use std::path::Path;
+
+/// Reads a mesh from a Wavefront OBJ file: faces of any size, vertices in the order of the file.
+///
+/// # Errors
+/// [`LoadError`] says what is wrong, where, and what to do.
+pub fn read_mesh(path: &Path) -> Result<Mesh, LoadError> {
+    let (text, file) = contents(path)?;
+    let read = polygons(&text, &file, true)?;
+    let mut mesh = Mesh::new(read.positions.chunks_exact(3).map(|xyz| [xyz[0], xyz[1], xyz[2]]).collect());
+    let singles = mesh.points.len();
+    let mut rest = &read.indices[singles..];
+    for &count in &read.face_arities[singles..] {
+        let (face, after) = rest.split_at(count as usize);
+        mesh.push_face(face);
+        rest = after;
+    }
+    Ok(mesh)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vertices_and_faces_stay_as_the_file_has_them() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("mesh.obj");
+        let text = "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nf 4 5 2 3\nf -1/1 4//1 3\nf 2 3 6 4 5\n";
+        std::fs::write(&path, text).expect("it can be written");
+        let mesh = read_mesh(&path).expect("it is a mesh");
+        assert_eq!(mesh.points[0], [9.0; 3]);
+        assert_eq!(mesh.points.len(), 6);
+        let faces: Vec<_> = mesh.faces().collect();
+        assert_eq!(faces, [&[3, 4, 1, 2][..], &[5, 3, 2], &[1, 2, 5, 3, 4]]);
+    }
+
+    #[test]
+    fn a_file_without_faces_is_no_mesh() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        for (text, part) in [("v 0 0 0\nv 1 0 0\n", "no faces"), ("v 0 0 0\nv 1 0 0\nf 1 2\n", "line 3")] {
+            let path = folder.path().join("points.obj");
+            std::fs::write(&path, text).expect("it can be written");
+            let error = read_mesh(&path).expect_err("there is nothing to check").to_string();
+            assert!(error.contains("points.obj") && error.contains(part), "{error}");
+        }
+    }
+}
