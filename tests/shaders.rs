@@ -8,7 +8,10 @@ use std::path::Path;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, TypeInner};
 use quadmosaic::gpu::grid::GridSettings;
+use quadmosaic::gpu::relax::Triangle;
+use quadmosaic::gpu::smooth::{Link, Sweep};
 use quadmosaic::gpu::{Access, GpuError, Program, WORKGROUP};
+use quadmosaic::mosaic::Tile;
 
 /// The kernels' files, each joined after `common.wgsl`, and `common.wgsl` alone.
 fn sources() -> Vec<(String, String)> {
@@ -106,7 +109,12 @@ macro_rules! layout {
 
 /// The records that both sides know: the struct's name in WGSL, and its layout in Rust.
 fn shared_records() -> Vec<(&'static str, Layout)> {
-    vec![("Grid", layout!(GridSettings: count, stride, mask, per_unit))]
+    vec![
+        ("Grid", layout!(GridSettings: count, stride, mask, per_unit)),
+        ("Tile", layout!(Tile: position, h, normal, triangle, axis, quarters)),
+        ("Triangle", layout!(Triangle: corners, beyond)),
+        ("Sweep", layout!(Sweep: count, unit)),
+    ]
 }
 
 fn layout_in(module: &Module, name: &str) -> Option<Layout> {
@@ -129,6 +137,19 @@ fn records_are_laid_out_alike_on_both_sides() {
         for (file, wgsl) in found {
             assert_eq!(rust, wgsl, "{name} in {file}");
         }
+    }
+}
+
+/// `Link` and `Parent` are one record in Rust, a number and a complex factor; WGSL spells the factor out.
+#[test]
+fn links_and_parents_have_the_record_s_size_and_places() {
+    let modules = modules();
+    let rust = layout!(Link: neighbour, weight);
+    for name in ["Link", "Parent"] {
+        let wgsl = modules.iter().find_map(|(_, module)| layout_in(module, name)).unwrap();
+        assert_eq!(rust.size, wgsl.size, "{name}");
+        let places: Vec<u32> = wgsl.fields.iter().map(|field| field.1).collect();
+        assert_eq!(places, [rust.fields[0].1, rust.fields[1].1, rust.fields[1].1 + 4], "{name}");
     }
 }
 
