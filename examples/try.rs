@@ -28,7 +28,18 @@ fn main() {
     let lap = |name: &str| println!("{name:12} {:8.1} ms", t.elapsed().as_secs_f64() * 1e3);
     lap("read");
     let options = quadmosaic::pipeline::Options::new(quadmosaic::pipeline::Fineness::Points(n));
-    let o = quadmosaic::pipeline::run(&soup, &options, &Cpu, &|_, _| {}).unwrap();
+    let gpu;
+    let back;
+    let mut backend: &dyn quadmosaic::compute::Backend = &Cpu;
+    if std::env::args().nth(4).is_some() {
+        gpu = quadmosaic::gpu::Gpu::open(None).unwrap();
+        lap("gpu");
+        back = quadmosaic::gpu::GpuBackend::new(&gpu).unwrap();
+        backend = &back;
+        lap("kernels");
+        println!("{}", backend.adapter());
+    }
+    let o = quadmosaic::pipeline::run(&soup, &options, backend, &|_, _| {}).unwrap();
     for (s, d) in &o.times {
         print!("{} {:.0} ", s.name(), d.as_secs_f64() * 1e3);
     }

@@ -21,8 +21,8 @@ struct Grid {
     per_unit: f32,
 }
 
-// Cells lie within +-REACH; past it an f32 has no fraction left. All points without a cell share the cell (OUTSIDE,
-// OUTSIDE, OUTSIDE), which is nobody's neighbour.
+// Cells lie within +-2^23; past it an f32 has no fraction left. OUTSIDE on all axes marks a point that has no cell, and
+// is nobody's neighbour.
 const REACH_BITS: u32 = 0x4b000000u; // the bits of 2^23
 const OUTSIDE: i32 = 16777216;
 
@@ -61,6 +61,9 @@ fn bucket_of(cell: vec3<i32>, mask: u32) -> u32 {
 //
 // Two rows may share buckets, hence `in_row`. The three buckets of a row may wrap round the mask, hence the two parts,
 // of which the second is almost always empty.
+//
+// Mesa's software driver silently ends an invocation's loops after 65,535 turns, all its loops together. A search is far
+// below that as long as cells are sized to hold some tiles each.
 
 // The middle cell of a row of three in x: y fastest, then z.
 fn row_of(here: vec3<i32>, number: u32) -> vec3<i32> {
@@ -79,5 +82,5 @@ fn run_of(row: vec3<i32>, part: u32, mask: u32) -> vec2<u32> {
 }
 
 fn in_row(cell: vec3<i32>, row: vec3<i32>) -> bool {
-    return all(cell.yz == row.yz) && abs(cell.x - row.x) <= 1;
+    return all(cell.yz == row.yz) && abs(cell.x - row.x) <= 1 && cell.x != OUTSIDE;
 }

@@ -10,7 +10,12 @@
 @group(0) @binding(5) var<storage, read_write> ids: array<u32>;
 
 fn bucket_of_point(id: u32) -> u32 {
-    return bucket_of(cell_of(tiles[id * grid.stride].xyz, grid.per_unit), grid.mask);
+    let cell = cell_of(tiles[id * grid.stride].xyz, grid.per_unit);
+    // Nobody looks for a point without a cell: many of them are spread, not piled into one long bucket.
+    if cell.x == OUTSIDE {
+        return id & grid.mask;
+    }
+    return bucket_of(cell, grid.mask);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -27,20 +32,24 @@ fn count(
 
 var<workgroup> sums: array<u32, WORKGROUP>;
 
-// The sum of the values of this and all lower invocations of the workgroup (Hillis and Steele).
+// The sum of the values of this and all lower invocations of the workgroup: in runs of 16, then over the runs. That is
+// two barriers; a tree of pairs has sixteen, and barriers are what costs on a software adapter.
 fn inclusive_sum(local: u32, value: u32) -> u32 {
     sums[local] = value;
-    for (var step = 1u; step < WORKGROUP; step *= 2u) {
-        workgroupBarrier();
-        var sum = sums[local];
-        if local >= step {
-            sum += sums[local - step];
+    workgroupBarrier();
+    if local < 16u {
+        var sum = 0u;
+        for (var place = 16u * local; place < 16u * local + 16u; place++) {
+            sum += sums[place];
+            sums[place] = sum;
         }
-        workgroupBarrier();
-        sums[local] = sum;
     }
     workgroupBarrier();
-    return sums[local];
+    var sum = sums[local];
+    for (var last = 15u; last < local - local % 16u; last += 16u) {
+        sum += sums[last];
+    }
+    return sum;
 }
 
 // The number of buckets is a multiple of WORKGROUP: each block is full, and only whole workgroups are past the end.
@@ -64,6 +73,8 @@ fn scan_blocks(
     }
 }
 
+var<workgroup> turn_sum: u32;
+
 // One workgroup turns the blocks' sums into the sums of all blocks before, 256 at a time.
 @compute @workgroup_size(WORKGROUP)
 fn scan_sums(@builtin(local_invocation_index) local: u32) {
@@ -79,8 +90,11 @@ fn scan_sums(@builtin(local_invocation_index) local: u32) {
         if block < blocks {
             block_sums[block] = before + sum - value;
         }
-        before += sums[WORKGROUP - 1u];
+        if local == WORKGROUP - 1u {
+            turn_sum = sum;
+        }
         workgroupBarrier();
+        before += turn_sum;
     }
 }
 
@@ -114,7 +128,7 @@ fn scatter(
 }
 
 // Sorts the ids of each bucket, so that nothing is left of the order in which the atomics came. Shell's sort: plain
-// insertion for the few ids of a bucket, and no quadratic wait where poison puts all points into one.
+// insertion for the few ids of a bucket, and within the driver's 65,535 turns (see common.wgsl) for some thousands.
 @compute @workgroup_size(WORKGROUP)
 fn order(
     @builtin(workgroup_id) group: vec3<u32>,

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use quadmosaic::compute::{Backend, Cpu};
-use quadmosaic::gpu::Gpu;
+use quadmosaic::gpu::{Gpu, GpuBackend, adapters};
 
 /// What the user asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -31,8 +31,7 @@ impl Device {
         let gpu = match choice {
             Choice::Gpu => true,
             Choice::Cpu => false,
-            // No kernel of the pipeline runs on a GPU yet, so none is chosen by itself.
-            Choice::Auto => adapter.is_some(),
+            Choice::Auto => adapter.is_some() || adapters().iter().any(|adapter| adapter.hardware),
         };
         if gpu { Ok(Self::Gpu(Gpu::open(adapter)?)) } else { Ok(Self::Cpu) }
     }
@@ -42,11 +41,9 @@ impl Device {
     /// # Errors
     /// Where the device refuses the kernels.
     pub fn backend(&self) -> anyhow::Result<Box<dyn Backend + '_>> {
-        match self {
-            Self::Cpu => Ok(Box::new(Cpu)),
-            Self::Gpu(gpu) => {
-                anyhow::bail!("the GPU backend is not ready, {} cannot be used; choose --backend cpu", gpu.adapter())
-            }
-        }
+        Ok(match self {
+            Self::Cpu => Box::new(Cpu),
+            Self::Gpu(gpu) => Box::new(GpuBackend::new(gpu)?),
+        })
     }
 }

@@ -84,7 +84,7 @@ pub(crate) fn axis_at(corners: [Vec3; 3], z: [Complex; 3], position: Vec3) -> Ve
     let double_area = cross(b - a, c - a);
     let normal = unit(double_area);
     let total = dot(double_area, normal);
-    let wb = (dot(cross(c - a, position - a), normal) / total * -1.0).clamp(0.0, 1.0);
+    let wb = (-dot(cross(c - a, position - a), normal) / total).clamp(0.0, 1.0);
     let wc = (dot(cross(b - a, position - a), normal) / total).clamp(0.0, 1.0);
     let wa = (1.0 - wb - wc).max(0.0);
     let blend = [z[0][0] * wa + z[1][0] * wb + z[2][0] * wc, z[0][1] * wa + z[1][1] * wb + z[2][1] * wc];

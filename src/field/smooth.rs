@@ -48,8 +48,8 @@ pub fn sweep(level: &Level, values: &[Complex], unit: bool) -> Vec<Complex> {
             let [mut x, mut y] = level.pulls[i];
             for e in level.starts[i] as usize..level.starts[i + 1] as usize {
                 let (w, z) = (level.weights[e], values[level.neighbours[e] as usize]);
-                x += w[0] * z[0] - w[1] * z[1];
-                y += w[0] * z[1] + w[1] * z[0];
+                x = x + w[0] * z[0] - w[1] * z[1];
+                y = y + w[0] * z[1] + w[1] * z[0];
             }
             if unit {
                 let length = (x * x + y * y).sqrt();

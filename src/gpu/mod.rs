@@ -9,12 +9,16 @@
 //! Software adapters (Mesa's lavapipe) count as a GPU here: the kernels hold nothing that is not bit-equal there to
 //! the CPU's `f32`, and the tests rely on that.
 
+mod backend;
 mod buffer;
 mod device;
 mod error;
 pub mod grid;
 mod kernel;
+pub mod relax;
+pub mod smooth;
 
+pub use backend::GpuBackend;
 pub use buffer::Buffer;
 pub use device::{AdapterSummary, Gpu, adapters};
 pub use error::GpuError;

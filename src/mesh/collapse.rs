@@ -200,7 +200,7 @@ impl Intrinsic {
         let left = next(spokes[0]);
         let left = (self.begin[left as usize], self.width(left));
         let stay = if *closed { 1..count - 1 } else { 1..count };
-        let mut fill = |s: &mut Self, span: std::ops::Range<usize>, begin: f64, width: f64| {
+        let fill = |s: &mut Self, span: std::ops::Range<usize>, begin: f64, width: f64| {
             let angles: Vec<f64> = span
                 .clone()
                 .map(|i| angle(to_x[i], to_x[(i + 1) % around.len()], s.length[next(spokes[i]) as usize]))

@@ -92,14 +92,6 @@ impl Intrinsic {
         }
     }
 
-    pub fn set_length(&mut self, h: u32, length: f64) {
-        self.length[h as usize] = length;
-        if self.twin[h as usize] != NONE {
-            let twin = self.twin[h as usize];
-            self.length[twin as usize] = length;
-        }
-    }
-
     /// The scaled angle that the corner of a half-edge spans.
     pub fn width(&self, h: u32) -> f64 {
         self.end[h as usize] - self.begin[h as usize]

@@ -23,7 +23,7 @@ pub fn take(surface: &Surface, field: &Field, mosaic: &Mosaic, add: bool) -> Mos
 }
 
 fn cell_of(tiles: &[Tile]) -> f32 {
-    REACH * tiles.iter().map(|t| t.h).fold(0.0, f32::max)
+    1.001 * REACH * tiles.iter().map(|t| t.h).fold(0.0, f32::max)
 }
 
 fn thin(mosaic: &Mosaic) -> Vec<Tile> {

@@ -16,8 +16,8 @@ use rayon::prelude::*;
 /// Cells lie within this many of the origin on each axis: past it an `f32` has no fraction left.
 const REACH: f32 = (1 << 23) as f32;
 
-/// The cell of all points that have none (not finite, or out of reach); it is nobody's neighbour.
-const OUTSIDE: [i32; 3] = [1 << 24; 3];
+/// On all axes, marks a point that has no cell (not finite, or out of reach) and is nobody's neighbour.
+const OUTSIDE: i32 = 1 << 24;
 
 /// Points sorted by the bucket of their cell, and by number within a bucket.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +42,8 @@ impl Grid {
             .with_min_len(1024)
             .map(|id| {
                 let cell = cell_of(positions(id), per_unit);
-                (cell, bucket_of(cell, mask))
+                // Nobody looks for a point without a cell: many of them are spread, not piled into one long bucket.
+                (cell, if cell[0] == OUTSIDE { id as u32 & mask } else { bucket_of(cell, mask) })
             })
             .collect();
 
@@ -91,11 +92,8 @@ pub(crate) fn bucket_count(points: usize) -> u32 {
 
 fn cell_of(position: [f32; 3], per_unit: f32) -> [i32; 3] {
     let place = position.map(|coordinate| (coordinate * per_unit).floor());
-    if place.iter().all(|coordinate| coordinate.abs() < REACH) {
-        place.map(|coordinate| coordinate as i32)
-    } else {
-        OUTSIDE
-    }
+    let within = place.iter().all(|coordinate| coordinate.abs() < REACH);
+    if within { place.map(|coordinate| coordinate as i32) } else { [OUTSIDE; 3] }
 }
 
 fn bucket_of([x, y, z]: [i32; 3], mask: u32) -> u32 {
@@ -119,7 +117,7 @@ fn runs_of([x, y, z]: [i32; 3], mask: u32) -> [[u32; 2]; 2] {
 }
 
 fn in_row(cell: [i32; 3], row: [i32; 3]) -> bool {
-    cell[1..] == row[1..] && (cell[0] - row[0]).abs() <= 1
+    cell[1..] == row[1..] && (cell[0] - row[0]).abs() <= 1 && cell[0] != OUTSIDE
 }
 
 #[cfg(test)]
@@ -151,7 +149,7 @@ mod tests {
         assert_eq!(cell(-f32::MIN_POSITIVE), [-1, 0, -1]);
         assert_eq!(cell(REACH.next_down()), [(1 << 23) - 1, 0, -1]);
         for outside in [REACH, -REACH, f32::MAX, f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
-            assert_eq!(cell(outside), OUTSIDE, "{outside}");
+            assert_eq!(cell(outside), [OUTSIDE; 3], "{outside}");
         }
     }
 }

@@ -115,7 +115,7 @@ pub struct Effort {
     pub first_tiles: usize,
     /// Batches of relaxation, each after a census, on the coarsest level. Default 12.
     pub first_batches: usize,
-    /// Batches on each finer level. Default 4.
+    /// Batches on each finer level. Default 2.
     pub batches: usize,
     /// Steps a batch. Default 8.
     pub steps: u32,
@@ -123,7 +123,7 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { first_tiles: 70, first_batches: 12, batches: 4, steps: 8 }
+        Self { first_tiles: 70, first_batches: 12, batches: 2, steps: 8 }
     }
 }
 

@@ -27,20 +27,23 @@ pub const SHEET: f32 = 0.6;
 pub const STEP: f32 = 0.7;
 /// A diagonal neighbour's weight against that of one along the axes.
 pub const DIAGONAL: f32 = 0.5;
+/// The first terms of the series of `arcsin(s) / s` in `s^2`: 1/6, 3/40, 15/336.
+const ARC: [f32; 3] = [0.16666667, 0.075, 0.044642857];
 
 /// A batch of relaxation steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxation {
     /// How many steps.
     pub steps: u32,
-    /// The side of the grid's cells: the reach of the largest tile, in unit-sized coordinates.
+    /// The side of the grid's cells, in unit-sized coordinates: more than the reach of the largest tile.
     pub cell: f32,
 }
 
 impl Relaxation {
     /// Steps for tiles of side at most `h`.
     pub fn new(steps: u32, h: f32) -> Self {
-        Self { steps, cell: REACH * h }
+        // A little more than the reach, so that rounding puts no neighbour two cells away.
+        Self { steps, cell: 1.001 * REACH * h }
     }
 }
 
@@ -145,6 +148,6 @@ pub(crate) fn see(a: &Tile, b: &Tile) -> Option<Sight> {
     let y = cross(n, x);
     // arcsin(s) / s for the chord of an arc that turns by twice arcsin(s).
     let s2 = (1.0 - cosine) * 0.5;
-    let stretch = 1.0 + s2 * (1.0 / 6.0 + s2 * (3.0 / 40.0 + s2 * (15.0 / 336.0)));
+    let stretch = 1.0 + s2 * (ARC[0] + s2 * (ARC[1] + s2 * ARC[2]));
     Some(Sight { x, y, u: [dot(e, x) * stretch / h, dot(e, y) * stretch / h], h })
 }

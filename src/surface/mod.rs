@@ -14,7 +14,7 @@ mod walk;
 mod weld;
 
 pub use features::{Curve, FeatureOptions, Features};
-pub(crate) use walk::{Footing, WALK_EDGES, next_corner, previous_corner, walk};
+pub(crate) use walk::{WALK_EDGES, next_corner, previous_corner, walk};
 pub use weld::Repairs;
 
 use crate::geometry::{cross, dot, unit};

@@ -15,8 +15,6 @@ pub(crate) const WALK_EDGES: u32 = 256;
 pub(crate) struct Footing {
     pub triangle: u32,
     pub position: Vec3,
-    /// The last stretch of the displacement, turned along on the way: its direction is the direction of arrival.
-    pub heading: Vec3,
 }
 
 /// Walks from `position` in `triangle` by `displacement`, at most over `edges` edges.
@@ -59,7 +57,7 @@ pub(crate) fn walk(
         }
         p += step * share;
         if exit == NONE {
-            return Footing { triangle: t, position: onto_plane(p, corners[0], normal), heading };
+            return Footing { triangle: t, position: onto_plane(p, corners[0], normal) };
         }
         left *= 1.0 - share;
         let k = exit as usize % 3;
@@ -81,7 +79,7 @@ pub(crate) fn walk(
     }
     let corners = surface.corners(t as usize);
     let normal = unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
-    Footing { triangle: t, position: onto_plane(p, corners[0], normal), heading }
+    Footing { triangle: t, position: onto_plane(p, corners[0], normal) }
 }
 
 fn onto_plane(p: Vec3, through: Vec3, normal: Vec3) -> Vec3 {

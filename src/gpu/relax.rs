@@ -1,0 +1,100 @@
+//! Relaxation on the device: the twin of [`crate::mosaic::relax`].
+
+use super::grid::{GridBuffers, GridKernels};
+use super::{Access, Buffer, Gpu, GpuError, Kernel, Program};
+use crate::compute::{ComputeError, Ground};
+use crate::field::{Complex, Field};
+use crate::mosaic::{Relaxation, Tile};
+use crate::surface::{NONE, Surface};
+use bytemuck::{Pod, Zeroable};
+
+/// `Triangle` in `shaders/relax.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Triangle {
+    /// The vertices.
+    pub corners: [u32; 3],
+    /// The opposite half-edge of each half-edge; all bits set where it may not be crossed.
+    pub beyond: [u32; 3],
+}
+
+/// The kernel of one step, compiled once per device.
+#[derive(Debug)]
+pub struct RelaxKernels {
+    program: Program,
+    relax: Kernel,
+}
+
+impl RelaxKernels {
+    /// Compiles the kernel.
+    ///
+    /// # Errors
+    /// What the driver makes of it.
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        use Access::{Read, Uniform, Write};
+        let source = include_str!("../../shaders/relax.wgsl");
+        let program = Program::new(gpu, "relax", source, &[Uniform, Read, Read, Read, Read, Read, Read, Write])?;
+        let relax = program.kernel(gpu, "relax")?;
+        Ok(Self { program, relax })
+    }
+}
+
+/// A surface with its field, in the device's memory.
+pub(super) struct GpuGround<'a> {
+    gpu: &'a Gpu,
+    grid: &'a GridKernels,
+    relax: &'a RelaxKernels,
+    points: Buffer<[f32; 4]>,
+    triangles: Buffer<Triangle>,
+    crosses: Buffer<[Complex; 3]>,
+}
+
+impl<'a> GpuGround<'a> {
+    pub fn new(
+        gpu: &'a Gpu,
+        grid: &'a GridKernels,
+        relax: &'a RelaxKernels,
+        surface: &Surface,
+        field: &Field,
+    ) -> Result<Self, GpuError> {
+        let points: Vec<[f32; 4]> = surface.points.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect();
+        let beyond = |h: u32| if surface.features().is_feature(h) { NONE } else { surface.twins[h as usize] };
+        let triangles: Vec<Triangle> = (0u32..)
+            .zip(&surface.triangles)
+            .map(|(t, &corners)| Triangle { corners, beyond: [0, 1, 2].map(|k| beyond(3 * t + k)) })
+            .collect();
+        Ok(Self {
+            points: gpu.upload("the surface's points", &points)?,
+            triangles: gpu.upload("the surface's triangles", &triangles)?,
+            crosses: gpu.upload("the crosses in the triangles", field.in_triangles())?,
+            gpu,
+            grid,
+            relax,
+        })
+    }
+
+    /// All steps go to the device in one submission; only the last one's tiles come back.
+    fn steps(&self, tiles: &[Tile], relaxation: &Relaxation) -> Result<Vec<Tile>, GpuError> {
+        let grid = GridBuffers::new::<Tile>(self.gpu, tiles.len(), relaxation.cell)?;
+        let mut now = self.gpu.upload("the tiles", tiles)?;
+        let mut then = self.gpu.upload("the tiles", tiles)?;
+        let mut recording = self.gpu.record();
+        for _ in 0..relaxation.steps {
+            grid.record(self.gpu, self.grid, &mut recording, &now)?;
+            let bindings = self.relax.program.bind(
+                self.gpu,
+                &[&grid.settings, &now, &grid.starts, &grid.ids, &self.points, &self.triangles, &self.crosses, &then],
+            )?;
+            recording.dispatch(&self.relax.relax, &bindings, tiles.len());
+            std::mem::swap(&mut now, &mut then);
+        }
+        recording.submit()?;
+        self.gpu.read(&now)
+    }
+}
+
+impl Ground for GpuGround<'_> {
+    fn relax(&self, tiles: &[Tile], relaxation: &Relaxation) -> Result<Vec<Tile>, ComputeError> {
+        Ok(self.steps(tiles, relaxation)?)
+    }
+}
