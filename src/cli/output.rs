@@ -20,29 +20,32 @@ pub fn obj_path(text: &str) -> Result<PathBuf, String> {
 /// Where it cannot; the folder is left as it was.
 pub fn expect_writable(path: &Path, taken: &[&Path]) -> anyhow::Result<()> {
     let shown = path.display();
-    let same = |other: &Path| {
-        path == other
-            || fs::canonicalize(path).ok().is_some_and(|full| fs::canonicalize(other).is_ok_and(|other| full == other))
-    };
-    if let Some(other) = taken.iter().find(|other| same(other)) {
-        bail!("{shown} cannot be written: it is the same file as {}; choose another name", other.display());
-    }
     if path.is_dir() {
         bail!("{shown} cannot be written: it is a folder; name a file in it");
     }
-    // A link is followed, and a device has no folder to test.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let target = absolute(path).ok().filter(|target| target.parent().is_some_and(Path::is_dir));
+    let target = target
+        .with_context(|| format!("{shown} cannot be written: there is no such folder; create it or choose another"))?;
+    if let Some(other) = taken.iter().find(|other| absolute(other).is_ok_and(|other| other == target)) {
+        bail!("{shown} cannot be written: it is the same file as {}; choose another name", other.display());
+    }
+    // A device has no folder to test.
     if target.exists() && !target.is_file() {
         return Ok(());
     }
-    let folder = target.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        bail!("{shown} cannot be written: its folder does not exist; create the folder or choose another");
-    }
-    let probe = folder.join(format!(".quadmosaic.{}.probe", std::process::id()));
+    let probe = target.with_file_name(format!(".quadmosaic.{}.probe", std::process::id()));
     File::create_new(&probe)
         .and_then(|_| fs::remove_file(&probe))
         .with_context(|| format!("{shown} cannot be written, its folder takes no new file"))
+}
+
+/// The path without links and dots; of the file itself, only the folder needs to exist.
+fn absolute(path: &Path) -> io::Result<PathBuf> {
+    fs::canonicalize(path).or_else(|missing| {
+        let name = path.file_name().ok_or(missing)?;
+        let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+        Ok(fs::canonicalize(folder)?.join(name))
+    })
 }
 
 /// Prints to stdout. Whoever closes the pipe early (`| head`) has read enough.

@@ -34,7 +34,7 @@ pub fn of_run(report: &Report) -> String {
         ("Jacobian", jacobian(mesh)),
         ("irregular", irregular(mesh)),
         ("holes", holes),
-        ("check", report.faults.to_string()),
+        ("check", report.faults.to_string().lines().take(1).collect()),
         ("backend", format!("{}, {}", backend.name, backend.adapter)),
         ("time", format!("{:.0} ms: {}", report.total_milliseconds, times.join(", "))),
     ])

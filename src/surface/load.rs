@@ -206,10 +206,10 @@ pub(crate) fn polygons(text: &[u8], name: &str, all_vertices: bool) -> Result<to
     Ok(mesh)
 }
 
-/// Makes `tobj` see every vertex, in order, before any face.
+/// Makes `tobj` see every vertex, in order, before any face; it knows no `p` lines.
 fn one_point_a_vertex(text: &[u8]) -> String {
     let vertices = lines(text).filter(|(_, line)| matches!(Record::of(line), Some(Record::Vertex(_)))).count();
-    (1..=vertices).map(|vertex| format!("p {vertex}\n")).collect()
+    (1..=vertices).map(|vertex| format!("f {vertex}\n")).collect()
 }
 
 fn triangulated(mesh: &tobj::Mesh) -> Soup {

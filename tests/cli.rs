@@ -1,0 +1,328 @@
+//! The program as a user meets it: what it writes, what it says, and how it ends.
+
+use quadmosaic::mesh::{Mesh, read_mesh};
+use serde_json::Value;
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+/// An empty folder, and the program run in it.
+struct Desk {
+    folder: TempDir,
+}
+
+impl Desk {
+    fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn put(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.path(name), content).expect("it can be written");
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_quadmosaic"));
+        program.args(arguments).current_dir(self.folder.path()).output().expect("the program starts")
+    }
+
+    /// What it prints, where it succeeds.
+    fn said(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+        text(&output.stdout)
+    }
+
+    fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// The names in the folder, in order.
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder.path()).expect("the folder can be listed");
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    /// Runs what must fail with this exit code, and returns the first line of what it says: the only one where it is not
+    /// clap that speaks. Nothing may be left behind.
+    fn refusal(&self, code: i32, arguments: &[&str]) -> String {
+        let before = self.names();
+        let output = self.run(arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+        assert_eq!(self.names(), before, "{arguments:?} left something");
+        let (first, rest) = message.split_once('\n').expect("a message has a line");
+        assert!(first.starts_with("error: "), "{message}");
+        assert!(code == 2 || rest.is_empty(), "{arguments:?}: more than a line: {message}");
+        first.to_owned()
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("the program prints UTF-8")
+}
+
+fn faces(mesh: &Mesh, sides: usize) -> usize {
+    mesh.faces().filter(|face| face.len() == sides).count()
+}
+
+#[test]
+fn a_sphere_from_end_to_end() {
+    let desk = Desk::new();
+    let said = desk.said(&["mesh", "example:sphere:2000", "--points", "500", "-o", "out.obj", "--report", "out.json"]);
+    assert_eq!(desk.names(), ["out.json", "out.obj"]);
+    let mesh = read_mesh(&desk.path("out.obj")).expect("it is a mesh");
+    let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+
+    assert_eq!(report["version"], 1);
+    assert_eq!(report["input"]["name"], "example:sphere:2000");
+    assert_eq!(report["asked"]["points"], 500);
+    assert_eq!(report["mesh"]["vertices"], mesh.points.len());
+    assert_eq!(report["mesh"]["quads"], faces(&mesh, 4));
+    assert_eq!(report["mesh"]["triangles"], faces(&mesh, 3));
+    assert_eq!(mesh.face_count(), faces(&mesh, 4) + faces(&mesh, 3));
+    assert_eq!(report["faults"]["euler"], 2);
+    assert!(mesh.points.len().abs_diff(500) <= 25, "{} vertices", mesh.points.len());
+
+    let stages: Vec<_> = report["times"].as_array().expect("a list").iter().map(|time| &time["stage"]).collect();
+    let expected =
+        ["read", "device", "surface", "field", "mosaic", "connect", "fill", "clean", "smooth", "measure", "write"];
+    assert_eq!(stages, expected);
+
+    for part in [
+        format!("vertices   {} (500 asked for)", mesh.points.len()),
+        format!("{} quads", faces(&mesh, 4)),
+        "features   0 curves, 0 corners".to_owned(),
+    ] {
+        assert!(said.contains(&part), "no {part:?} in\n{said}");
+    }
+}
+
+#[test]
+fn the_same_bytes_again_and_with_any_number_of_threads() {
+    let desk = Desk::new();
+    let mesh = |name, threads, points| {
+        desk.said(&["mesh", "example:block:2000", "--points", points, "--threads", threads, "-o", name]);
+        desk.bytes(name)
+    };
+    let first = mesh("first.obj", "1", "600");
+    assert_eq!(mesh("first.obj", "1", "600"), first, "over the file of the first run");
+    assert_eq!(mesh("two.obj", "2", "600"), first);
+    assert_ne!(mesh("other.obj", "2", "700"), first, "equality would say nothing");
+}
+
+#[test]
+fn options_reach_the_mesher() {
+    let desk = Desk::new();
+    desk.put("guides.csv", "x,y,z,dx,dy,dz,r\n# across the corner\n0.2,0.2,0,1,0.5,0,0.1\n");
+    let base = ["mesh", "example:plate:2000", "--points", "400", "-o", "out.obj"];
+    let mesh = |more: &[&str]| {
+        desk.said(&[&base, more].concat());
+        desk.bytes("out.obj")
+    };
+    let plain = mesh(&[]);
+    let guided = mesh(&["--guide", "0.2,0.2,0,1,0.5,0,0.1"]);
+    assert_eq!(mesh(&["--guides", "guides.csv"]), guided);
+    for (name, changed) in [
+        ("guide", guided),
+        ("guide below zero", mesh(&["--guide", "-0.2,0.2,0,-1,0.5,0,0.1"])),
+        ("max-distance", mesh(&["--max-distance", "1.1"])),
+        ("max-angle", mesh(&["--max-angle", "10"])),
+        ("holes", mesh(&["--holes", "leave", "--max-angle", "10"])),
+        ("no-cleanup", mesh(&["--no-cleanup"])),
+        ("smoothing", mesh(&["--smoothing", "0"])),
+    ] {
+        assert_ne!(changed, plain, "{name} changes nothing");
+    }
+    let report = |crease: &str| {
+        desk.said(&["mesh", "example:block:2000", "--crease", crease, "-o", "out.obj", "--report", "out.json"]);
+        serde_json::from_slice::<Value>(&desk.bytes("out.json")).expect("it is JSON")
+    };
+    assert_eq!(report("40")["input"]["corners"], 8);
+    assert_eq!(report("180")["input"]["corners"], 0);
+}
+
+#[test]
+fn quiet_says_nothing_but_the_mesh_is_there() {
+    let desk = Desk::new();
+    let output = desk.run(&["mesh", "example:sphere:2000", "--size", "0.2", "--quiet", "-o", "out.obj"]);
+    assert!(output.status.success());
+    assert_eq!(text(&output.stdout), "");
+    assert_eq!(desk.names(), ["out.obj"]);
+}
+
+#[test]
+fn bad_inputs_are_refused_with_their_place() {
+    let desk = Desk::new();
+    let files = [
+        ("empty.obj", String::new(), "empty.obj is empty"),
+        ("comment.obj", "# nothing\n".to_owned(), "comment.obj has no vertices"),
+        ("points.obj", SQUARE.to_owned(), "points.obj has 4 vertices but no faces"),
+        ("nan.obj", format!("{SQUARE}v 0 nan 0\nf 1 2 5\n"), "nan.obj, line 5: the coordinate \"nan\" is not finite"),
+        ("index.obj", format!("{SQUARE}f 1 2 3\nf 1 2 9\n"), "index.obj, line 6: the face uses vertex 9"),
+        ("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_owned(), "flat.obj: the surface has no triangle"),
+        (
+            "fins.obj",
+            format!("{SQUARE}v 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n"),
+            "fins.obj: 1 edges have more than two triangles",
+        ),
+        ("surface.stl", "solid".to_owned(), "surface.stl does not end in .obj"),
+    ];
+    for (name, content, message) in files {
+        desk.put(name, content);
+        let said = desk.refusal(1, &["mesh", name, "-o", "out.obj", "--report", "out.json"]);
+        assert!(said.contains(message), "{name}: {said}");
+    }
+    fs::create_dir(desk.path("folder.obj")).expect("a folder");
+    for (name, message) in [("none.obj", "there is no file none.obj"), ("folder.obj", "folder.obj is a directory")] {
+        let said = desk.refusal(1, &["mesh", name, "-o", "out.obj"]);
+        assert!(said.contains(message), "{name}: {said}");
+    }
+    let said = desk.refusal(1, &["mesh", "example:sphere", "--size", "100", "-o", "out.obj"]);
+    assert!(said.contains("example:sphere: tiles of side 100 cannot cover this surface"), "{said}");
+}
+
+#[test]
+fn bad_guides_are_refused_with_their_line() {
+    let desk = Desk::new();
+    desk.put("short.csv", "0,0,0,1,0,0\n0,0,0,1,0\n");
+    desk.put("none.csv", "# x, y, z\n");
+    for (name, message) in [
+        ("short.csv", "short.csv, line 2: a guide has 6 or 7 numbers"),
+        ("none.csv", "none.csv holds no guide"),
+        ("missing.csv", "missing.csv cannot be read"),
+    ] {
+        let said = desk.refusal(1, &["mesh", "example:plate", "--guides", name, "-o", "out.obj"]);
+        assert!(said.contains(message), "{name}: {said}");
+    }
+}
+
+#[test]
+fn a_mesh_that_cannot_be_kept_is_not_begun() {
+    let desk = Desk::new();
+    desk.put("file", "");
+    desk.put("in.obj", format!("{SQUARE}f 1 2 3 4\n"));
+    fs::create_dir(desk.path("folder.obj")).expect("a folder");
+    let large = "example:m6:1000000";
+    let mut cases = vec![
+        (large, "none/out.obj", "none/out.obj cannot be written: there is no such folder"),
+        (large, "file/out.obj", "file/out.obj cannot be written: there is no such folder"),
+        (large, "folder.obj", "folder.obj cannot be written: it is a folder"),
+        ("in.obj", "in.obj", "in.obj cannot be written: it is the same file as in.obj"),
+        ("in.obj", "folder.obj/../in.obj", "it is the same file as in.obj"),
+    ];
+    if cfg!(target_os = "linux") {
+        cases.push((large, "/proc/out.obj", "/proc/out.obj cannot be written, its folder takes no new file"));
+    }
+    for (input, output, message) in cases {
+        let said = desk.refusal(1, &["mesh", input, "-o", output]);
+        assert!(said.contains(message), "{output}: {said}");
+    }
+    let said = desk.refusal(1, &["mesh", large, "-o", "out.obj", "--report", "none/out.json"]);
+    assert!(said.contains("none/out.json cannot be written"), "{said}");
+    let said = desk.refusal(1, &["mesh", large, "-o", "out.obj", "--report", "./out.obj"]);
+    assert!(said.contains("./out.obj cannot be written: it is the same file as out.obj"), "{said}");
+    let said = desk.refusal(1, &["example", "m6", "-o", "none/out.obj"]);
+    assert!(said.contains("none/out.obj cannot be written"), "{said}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error() {
+    let desk = Desk::new();
+    std::os::unix::fs::symlink("/dev/full", desk.path("out.obj")).expect("it can be linked");
+    let said = desk.refusal(1, &["mesh", "example:sphere:2000", "--points", "200", "-o", "out.obj"]);
+    assert!(said.contains("out.obj cannot be written (No space left"), "{said}");
+}
+
+#[test]
+fn wrong_usage_is_told_from_failure() {
+    let desk = Desk::new();
+    let mesh = |more: &[&str]| desk.refusal(2, &[&["mesh", "example:sphere", "-o", "out.obj"], more].concat());
+    for (more, message) in [
+        (&["--points", "0"][..], "ask for 4 to 50000000 vertices"),
+        (&["--points", "-5"], "-5"),
+        (&["--points", "100", "--size", "1"], "cannot be used with"),
+        (&["--size", "0"], "a length is a number above 0"),
+        (&["--size", "inf"], "a length is a number above 0"),
+        (&["--crease", "200"], "the angle is a number from 1 to 180"),
+        (&["--crease", "nan"], "the angle is a number from 1 to 180"),
+        (&["--max-angle", "60"], "the angle is a number from 1 to 45"),
+        (&["--max-distance", "0.5"], "the distance is a number from 1 to 10"),
+        (&["--smoothing", "100000"], "write a whole number from 0 to 1000"),
+        (&["--guide", "0,0,0,1,0"], "a guide has 6 or 7 numbers"),
+        (&["--guide", "0,0,0,0,0,0"], "the direction (dx, dy, dz) is zero"),
+        (&["--holes", "some"], "patterns, triangles, leave"),
+    ] {
+        let output = desk.run(&[&["mesh", "example:sphere", "-o", "out.obj"], more].concat());
+        assert!(text(&output.stderr).contains(message), "{more:?}: {}", text(&output.stderr));
+        mesh(more);
+    }
+    for (arguments, message) in [
+        (&["mesh", "example:cow", "-o", "out.obj"][..], "there is no example surface \"cow\""),
+        (&["mesh", "example:m6:many", "-o", "out.obj"], "ask for 1 to 20000000 triangles"),
+        (&["mesh", "example:m6", "-o", "out.stl"], "it does not end in .obj"),
+        (&["mesh", "example:m6", "-o", "obj"], "it does not end in .obj"),
+        (&["example", "torus", "--blunt", "-o", "out.obj"], "go with the example m6 only"),
+    ] {
+        let said = desk.refusal(2, arguments);
+        assert!(said.contains(message), "{arguments:?}: {said}");
+    }
+}
+
+#[test]
+fn examples_are_surfaces_that_can_be_read_again() {
+    let desk = Desk::new();
+    for name in ["m6", "torus", "sphere", "plate", "block"] {
+        let said = desk.said(&["example", name, "--triangles", "600", "-o", "out.obj"]);
+        let mesh = read_mesh(&desk.path("out.obj")).expect("it is a mesh");
+        assert_eq!(said, format!("out.obj: {} triangles, {} vertices\n", mesh.face_count(), mesh.points.len()));
+    }
+    let wing = |more: &[&str]| {
+        desk.said(&[&["example", "m6", "--triangles", "600", "-o", "out.obj"], more].concat());
+        desk.bytes("out.obj")
+    };
+    let plain = wing(&[]);
+    for flag in ["--blunt", "--flat-tip", "--whole-span"] {
+        assert_ne!(wing(&[flag]), plain, "{flag}");
+    }
+}
+
+#[test]
+fn check_tells_good_from_broken() {
+    let desk = Desk::new();
+    desk.put("good.obj", format!("{SQUARE}f 1 2 3 4\n"));
+    let said = desk.said(&["check", "good.obj"]);
+    for part in ["1 quad, 0 triangles", "Qr         1.000", "no faults; Euler characteristic 1"] {
+        assert!(said.contains(part), "no {part:?} in\n{said}");
+    }
+    desk.put("broken.obj", format!("v 5 5 5\n{SQUARE}f 2 3 4 5\nf 2 3 4 5\n"));
+    let output = desk.run(&["check", "broken.obj"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stdout).contains("vertex 0 lies on no face at (5.000000, 5.000000, 5.000000)"));
+    assert!(text(&output.stdout).contains("edge 1-2 has two faces on the same side"));
+    assert!(text(&output.stderr).starts_with("error: broken.obj has "), "{}", text(&output.stderr));
+    let said = desk.refusal(1, &["check", "none.obj"]);
+    assert!(said.contains("none.obj"), "{said}");
+}
+
+#[test]
+fn help_explains_every_subcommand() {
+    let desk = Desk::new();
+    let help = desk.said(&["--help"]);
+    for name in ["mesh", "example", "check", "devices"] {
+        assert!(help.contains(&format!("\n  {name}")), "{help}");
+        assert!(desk.said(&[name, "--help"]).contains("Usage: quadmosaic"));
+    }
+    assert!(desk.said(&["--version"]).starts_with("quadmosaic "));
+    desk.said(&["devices"]);
+}
