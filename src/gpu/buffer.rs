@@ -106,7 +106,8 @@ impl Gpu {
 
     fn buffer<T>(&self, what: &str, len: usize, usage: BufferUsages, bindable: u64) -> Result<Buffer<T>, GpuError> {
         // Bindings may not be empty, and copies go by whole words.
-        let needed = (len as u64).saturating_mul(size_of::<T>() as u64).max(16).next_multiple_of(4);
+        let needed = (len as u64).saturating_mul(size_of::<T>() as u64).max(16);
+        let needed = needed.checked_next_multiple_of(4).unwrap_or(u64::MAX);
         let allowed = bindable.min(self.device.limits().max_buffer_size);
         if needed > allowed {
             return Err(GpuError::BufferTooLarge { what: what.to_owned(), needed, allowed });
