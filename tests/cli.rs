@@ -29,7 +29,12 @@ impl Desk {
 
     fn run(&self, arguments: &[&str]) -> Output {
         let mut program = Command::new(env!("CARGO_BIN_EXE_quadmosaic"));
-        program.args(arguments).current_dir(self.folder.path()).output().expect("the program starts")
+        program.args(arguments);
+        // What the machine has must not decide what is tested; drivers print messages of their own, too.
+        if arguments.first() == Some(&"mesh") {
+            program.args(["--backend", "cpu"]);
+        }
+        program.current_dir(self.folder.path()).output().expect("the program starts")
     }
 
     /// What it prints, where it succeeds.
