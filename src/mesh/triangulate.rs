@@ -150,10 +150,16 @@ impl Work {
                 Seat::Edge(h, share) => on_edges.push((h, share, i)),
             }
         }
+        let mut ring = Vec::new();
         on_edges.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         for run in on_edges.chunk_by(|a, b| a.0 == b.0) {
-            let (mut h, mut passed) = (run[0].0, 0.0);
-            let [a, b] = [surface.origin(h), surface.target(h)].map(|v| surface.points[v as usize].as_dvec3());
+            let ends = [surface.origin(run[0].0), surface.target(run[0].0)];
+            let [a, b] = ends.map(|v| surface.points[v as usize].as_dvec3());
+            // Splitting another edge of the triangle has given this one another number.
+            self.faces.ring(ends[0], &mut ring);
+            let whole = ring.iter().copied().find(|&h| self.faces.target(h) == ends[1]);
+            let mut h = whole.expect("an edge that is not split joins its ends");
+            let mut passed = 0.0;
             for &(_, share, i) in run {
                 let part = ((share - passed) / (1.0 - passed)).clamp(1e-6, 1.0 - 1e-6);
                 let twin = self.faces.twin[h as usize];
@@ -176,7 +182,9 @@ impl Work {
         let mut order: Vec<u32> = (0..tiles.len() as u32).collect();
         order.sort_by_key(|&i| tiles[i as usize].triangle);
         let mut vertices = vec![NONE; tiles.len()];
-        let mut stack = Vec::new();
+        // Walks towards a point are sure to end where the triangles are Delaunay.
+        let mut stack: Vec<u32> = (0..self.faces.origin.len() as u32).collect();
+        legalize_within(&mut self.faces, &self.home, &mut stack);
         let mut face = 0;
         let mut triangle = NONE;
         for i in order {
@@ -200,9 +208,7 @@ impl Work {
             let new = self.faces.leaving[vertex as usize];
             self.faces.ring(vertex, &mut stack);
             let mut sides: Vec<u32> = stack.iter().map(|&h| super::intrinsic::next(h)).collect();
-            let home = &self.home;
-            self.faces
-                .legalize(&mut sides, |faces, h| home[h as usize / 3] == home[faces.twin[h as usize] as usize / 3]);
+            legalize_within(&mut self.faces, &self.home, &mut sides);
             face = new / 3;
         }
         vertices
@@ -254,6 +260,11 @@ impl Work {
             }
         }
     }
+}
+
+/// Flips edges to be Delaunay, those of the surface's own triangles left alone.
+fn legalize_within(faces: &mut Intrinsic, home: &[u32], stack: &mut Vec<u32>) {
+    faces.legalize(stack, |faces, h| home[h as usize / 3] == home[faces.twin[h as usize] as usize / 3]);
 }
 
 /// The point, in the plane of the triangle and inside it by a small margin.

@@ -4,12 +4,16 @@ use super::grid::Grid;
 use super::relax::{REACH, see};
 use super::{Mosaic, Tile};
 use crate::field::Field;
+use crate::geometry::dot;
 use crate::surface::{Surface, WALK_EDGES, walk};
 
 /// Two tiles nearer than this along both axes, in tile sides, are one too many.
 const CROWDED: f32 = 0.55;
 /// A place is empty where no tile lies within this, in tile sides.
 const EMPTY: f32 = 0.72;
+/// A tile whose normal is turned by more than the angle of this cosine lies on the other side of a thin part. On rough
+/// surfaces normals differ by less than that between tiles that do take each other's place.
+const OTHER_SIDE: f32 = -0.5;
 
 /// Removes tiles where they crowd and, where `add` says so, adds tiles where there is room. In the order of ids.
 pub fn take(surface: &Surface, field: &Field, mosaic: &Mosaic, add: bool) -> Mosaic {
@@ -71,13 +75,16 @@ fn room(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Vec<Tile> {
     for id in tiles.len()..all.len() {
         let mut free = true;
         grid.around(all[id].position, |other| {
-            free &= !present[other as usize]
-                || see(&all[id], &all[other as usize])
-                    .is_none_or(|s| s.u[0] * s.u[0] + s.u[1] * s.u[1] > EMPTY * EMPTY);
+            free &= !present[other as usize] || !takes_place(&all[id], &all[other as usize]);
         });
         present[id] = free;
     }
     (tiles.len()..all.len()).filter(|&i| present[i]).map(|i| all[i]).collect()
+}
+
+fn takes_place(place: &Tile, tile: &Tile) -> bool {
+    let apart = tile.at() - place.at();
+    dot(apart, apart) < (EMPTY * place.h) * (EMPTY * place.h) && dot(place.normal(), tile.normal()) > OTHER_SIDE
 }
 
 /// The turns of a tile's cross that point into the surface on its side.

@@ -195,9 +195,12 @@ impl Layer<'_> {
     }
 
     /// How many times tiles are split by three to reach side `h`.
+    ///
+    /// Corners have a tile each on every level, so the coarsest is not to have fewer tiles than there are corners.
     fn levels(&self, h: f32) -> i32 {
         let finest = self.surface.area() / f64::from(h * h);
-        (finest / self.effort.first_tiles as f64).log(9.0).floor().max(0.0) as i32
+        let first = self.effort.first_tiles.max(self.surface.features().corners().count());
+        (finest / first as f64).log(9.0).floor().max(0.0) as i32
     }
 
     /// The levels before the finest; where there is one level only, that.
