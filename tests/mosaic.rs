@@ -36,7 +36,8 @@ fn fault(soup: &Soup, surface: &Surface, tile: &Tile) -> Option<String> {
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a).normalize();
     let (at, up, axis) = (vector(tile.position), vector(tile.normal), vector(tile.axis));
-    let outside = [(a, b), (b, c), (c, a)].iter().map(|&(s, e)| (at - s).dot((e - s).cross(normal).normalize()));
+    let sides = [(a, b), (b, c), (c, a)];
+    let outside = sides.iter().map(|&(s, e)| (at - s).dot((e - s).cross(normal).normalize()));
     let height = (at - a).dot(normal).abs();
     // The normal of a sliver is as uncertain as its corners over its height.
     let flat = (b - a).cross(c - a).length() / (b - a).length().max((c - b).length()).max((a - c).length());
