@@ -221,3 +221,142 @@ fn conjugate(z: Complex) -> Complex {
 fn multiply(a: Complex, b: Complex) -> Complex {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{guides, smooth};
+    use crate::surface::FeatureOptions;
+    use crate::surface::examples::Example;
+
+    fn hierarchy(name: &str, triangles: usize) -> Hierarchy {
+        let soup = name.parse::<Example>().expect("an example's name").generate(triangles);
+        let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let sectors = Sectors::new(&surface);
+        Hierarchy::new(&surface, &sectors, &guides::pulls(&surface, &sectors, &[]))
+    }
+
+    fn row(level: &Level, i: usize) -> std::ops::Range<usize> {
+        level.starts[i] as usize..level.starts[i + 1] as usize
+    }
+
+    /// What is wrong with a level on its own.
+    fn faults(level: &Level) -> Vec<String> {
+        let mut faults = Vec::new();
+        if level.starts.len() != level.len() + 1 || *level.starts.last().unwrap_or(&0) as usize != level.weights.len() {
+            faults.push("rows do not cover the links".to_owned());
+        }
+        for i in 0..level.len() {
+            let sum: f32 = row(level, i).map(|e| modulus(level.weights[e])).sum();
+            // A dozen roundings.
+            if sum + modulus(level.pulls[i]) > 1.0 + 1e-6 {
+                faults.push(format!("row {i} sums to {}", sum + modulus(level.pulls[i])));
+            }
+            if (modulus(level.pulls[i]) > 1.0 - 1e-6) != row(level, i).is_empty() {
+                faults.push(format!("unknown {i}: fixed and linked, or neither"));
+            }
+            if row(level, i).any(|e| level.neighbours[e] as usize >= level.len()) {
+                faults.push(format!("row {i} leads out of the level"));
+            }
+        }
+        faults
+    }
+
+    #[test]
+    fn every_level_is_a_mean_and_smaller_than_the_one_before() {
+        for name in Example::NAMES {
+            let hierarchy = hierarchy(name, 4_000);
+            assert!(hierarchy.levels.len() > 2, "{name}");
+            for (depth, level) in hierarchy.levels.iter().enumerate() {
+                assert_eq!(faults(level), Vec::<String>::new(), "{name}, level {depth}");
+            }
+            for pair in hierarchy.levels.windows(2) {
+                let [fine, coarse] = pair else { unreachable!("windows of two") };
+                assert!(coarse.len() * 10 < fine.len() * 9, "{name}: {} after {}", coarse.len(), fine.len());
+                assert!(fine.parents.iter().all(|&p| (p as usize) < coarse.len()));
+                assert!(fine.turns.iter().all(|&t| (modulus(t) - 1.0).abs() < 1e-5), "{name}: turns only turn");
+                let mut heirs = vec![false; coarse.len()];
+                fine.parents.iter().for_each(|&p| heirs[p as usize] = true);
+                assert!(heirs.iter().all(|&h| h), "{name}: an unknown without members");
+            }
+            assert!(hierarchy.levels.last().is_some_and(|last| last.parents.is_empty()));
+            assert_eq!(hierarchy.constrained, !["sphere", "torus"].contains(&name));
+        }
+    }
+
+    #[test]
+    fn a_heavy_row_and_a_linked_fixed_unknown_are_seen() {
+        let mut level = hierarchy("block", 2_000).levels.swap_remove(0);
+        let free = (0..level.len()).find(|&i| !row(&level, i).is_empty()).expect("a free unknown");
+        for e in row(&level, free) {
+            level.weights[e] = level.weights[e].map(|x| x * 1.01);
+        }
+        assert_eq!(faults(&level).len(), 1);
+        level.pulls[free] = [0.0, 1.0];
+        assert_eq!(faults(&level).len(), 2);
+    }
+
+    #[test]
+    fn constraints_live_on_every_level() {
+        for level in &hierarchy("block", 4_000).levels {
+            let fixed = level.pulls.iter().filter(|&&p| modulus(p) > 1.0 - 1e-6).count();
+            assert!(fixed > 0 && fixed < level.len());
+        }
+        assert!(hierarchy("sphere", 4_000).levels.iter().all(|l| l.pulls.iter().all(|&p| p == [0.0, 0.0])));
+    }
+
+    #[test]
+    fn a_constant_field_on_a_rectangle_stays_on_every_level() {
+        // Flat, its sides along x and y: all links agree with the cross along x, and so must their sums.
+        let (columns, rows) = (24, 16);
+        let mut soup = crate::surface::Soup::default();
+        for j in 0..=rows {
+            soup.points.extend((0..=columns).map(|i| [f64::from(i), f64::from(j), 0.0]));
+        }
+        for j in 0..rows as u32 {
+            for i in 0..columns as u32 {
+                let a = j * (columns as u32 + 1) + i;
+                let [b, c, d] = [a + 1, a + columns as u32 + 2, a + columns as u32 + 1];
+                soup.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let sectors = Sectors::new(&surface);
+        let hierarchy = Hierarchy::new(&surface, &sectors, &guides::pulls(&surface, &sectors, &[]));
+        assert!(hierarchy.levels.len() > 2);
+        let mut values: Vec<Complex> = sectors
+            .first_corner
+            .iter()
+            .map(|&corner| {
+                let way =
+                    surface.points[surface.target(corner) as usize] - surface.points[surface.origin(corner) as usize];
+                rotate([1.0, 0.0], -f64::from(way.y).atan2(f64::from(way.x)))
+            })
+            .collect();
+        let far = |a: &[Complex], b: &[Complex]| {
+            a.iter().zip(b).map(|(a, b)| modulus([a[0] - b[0], a[1] - b[1]])).fold(0.0, f32::max)
+        };
+        for (depth, level) in hierarchy.levels.iter().enumerate() {
+            for unit in [false, true] {
+                let swept = smooth::sweep(level, &values, unit);
+                // Some twenty products of rounded unit numbers a level.
+                assert!(far(&swept, &values) < 1e-5, "level {depth}: {}", far(&swept, &values));
+            }
+            let mut other = values.clone();
+            let free = (0..level.len()).find(|&i| !row(level, i).is_empty()).expect("a free unknown");
+            other[free] = other[free].map(|x| -x);
+            assert!(
+                far(&smooth::sweep(level, &other, true), &other) > 0.1,
+                "level {depth}: a cross that is not the mean"
+            );
+            if let Some(coarse) = hierarchy.levels.get(depth + 1) {
+                let mut first = vec![[0.0, 0.0]; coarse.len()];
+                for (i, &parent) in level.parents.iter().enumerate().rev() {
+                    first[parent as usize] = multiply(conjugate(level.turns[i]), values[i]);
+                }
+                assert!(far(&smooth::prolong(level, &first), &values) < 1e-5, "level {depth}: members differ");
+                values = first;
+            }
+        }
+    }
+}

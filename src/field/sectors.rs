@@ -187,3 +187,145 @@ fn corner_angle(surface: &Surface, corner: u32) -> f64 {
     let (u, v) = (p - o, q - o);
     u.cross(v).length().atan2(u.dot(v))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute::Cpu;
+    use crate::field::Field;
+    use crate::surface::FeatureOptions;
+    use crate::surface::examples::Example;
+
+    const EXAMPLES: [(&str, i64); 5] = [("sphere", 2), ("torus", 0), ("block", 0), ("plate", 0), ("m6", 1)];
+
+    fn surface(name: &str) -> Surface {
+        let soup = name.parse::<Example>().expect("an example's name").generate(3_000);
+        Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// The angle between an angle and the nearest multiple of a quarter turn.
+    fn off_quarters(angle: f64) -> f64 {
+        (angle - (angle / FRAC_PI_2).round() * FRAC_PI_2).abs()
+    }
+
+    #[test]
+    fn the_corners_of_a_sector_fill_its_quarters() {
+        for (name, _) in EXAMPLES {
+            let surface = surface(name);
+            let sectors = Sectors::new(&surface);
+            let mut seen = vec![false; 3 * surface.triangle_count()];
+            for sector in 0..sectors.count() as u32 {
+                let quarters = sectors.quarters[sector as usize];
+                let mut at = 0.0;
+                for corner in sectors.corners(&surface, sector) {
+                    assert!(!std::mem::replace(&mut seen[corner as usize], true), "{name}: corner {corner} twice");
+                    assert_eq!(sectors.of_corner[corner as usize], sector, "{name}");
+                    assert!((sectors.direction(corner, 0.0) - at).abs() < 1e-12, "{name}: a gap before {corner}");
+                    at = sectors.direction(corner, sectors.corner_angle(corner));
+                }
+                let whole = if quarters == 0 { TAU } else { f64::from(quarters) * FRAC_PI_2 };
+                assert!((at - whole).abs() < 1e-9, "{name}: sector {sector} spans {at}, not {whole}");
+                assert!(sectors.of_vertex(surface.origin(sectors.first_corner[sector as usize])).contains(&sector));
+            }
+            assert!(seen.iter().all(|&s| s), "{name}: a corner without sector");
+            let marked = (0..3 * surface.triangle_count() as u32).any(|h| surface.features().is_feature(h));
+            assert_eq!(sectors.quarters.iter().any(|&q| q > 0), marked, "{name}");
+        }
+    }
+
+    #[test]
+    fn reading_there_and_back_changes_nothing() {
+        for (name, _) in EXAMPLES {
+            let surface = surface(name);
+            let sectors = Sectors::new(&surface);
+            let inner = |h: &u32| surface.twin(*h).is_some() && !surface.features().is_feature(*h);
+            let mut wrong = 0;
+            for h in (0..3 * surface.triangle_count() as u32).filter(inner) {
+                let twin = surface.twin(h).expect("an inner edge");
+                let round = sectors.transport(h) + sectors.transport(twin);
+                assert!(off_quarters(round) < 1e-9, "{name}, half-edge {h}: {round}");
+                // Another edge of the same triangle leads elsewhere.
+                wrong += usize::from(off_quarters(sectors.transport(h) + sectors.transport(next(twin))) > 1e-3);
+            }
+            assert!(wrong > 100, "{name}: {wrong}");
+        }
+    }
+
+    /// The quarters of a turn that a field makes round each triangle: what the crosses' differences along its edges leave
+    /// of the excess of its scaled angles.
+    fn quarters(surface: &Surface, sectors: &Sectors, crosses: &[Complex]) -> Vec<f64> {
+        let angle = |c: u32| {
+            let z = crosses[sectors.of_corner[c as usize] as usize];
+            f64::from(z[1]).atan2(f64::from(z[0])) / 4.0
+        };
+        let difference = |h: u32| {
+            let d = angle(next(h)) + sectors.transport(h) - angle(h);
+            d - (d / FRAC_PI_2).round() * FRAC_PI_2
+        };
+        (0..surface.triangle_count() as u32)
+            .map(|t| {
+                let h = [3 * t, 3 * t + 1, 3 * t + 2];
+                let scaled: f64 =
+                    h.iter().map(|&c| sectors.direction(c, sectors.corner_angle(c)) - sectors.direction(c, 0.0)).sum();
+                let turned: f64 = h
+                    .iter()
+                    .map(|&h| match surface.twin(h) {
+                        // Both sides of an edge must fall on the same side of an eighth of a turn.
+                        Some(twin) if twin < h && !surface.features().is_feature(h) => -difference(twin),
+                        _ => difference(h),
+                    })
+                    .sum();
+                (turned + scaled - std::f64::consts::PI) / FRAC_PI_2
+            })
+            .collect()
+    }
+
+    #[test]
+    fn singularities_add_up_to_the_euler_characteristic() {
+        for (name, characteristic) in EXAMPLES {
+            let surface = surface(name);
+            let field = Field::new(&surface, &[], &Cpu).expect("the CPU does not fail");
+            let sectors = field.sectors();
+            let found = quarters(&surface, sectors, field.crosses());
+            for (t, q) in found.iter().enumerate() {
+                assert!((q - q.round()).abs() < 1e-4, "{name}, triangle {t}: {q} quarters");
+            }
+            let total: f64 = found.iter().sum();
+            // Corners turn a share themselves: a flat vertex has four quarters, one on the boundary two.
+            let open: Vec<bool> = {
+                let mut open = vec![false; surface.vertex_count()];
+                for h in (0..3 * surface.triangle_count() as u32).filter(|&h| surface.twin(h).is_none()) {
+                    open[surface.origin(h) as usize] = true;
+                    open[surface.target(h) as usize] = true;
+                }
+                open
+            };
+            let at_corners: i64 = surface
+                .features()
+                .corners()
+                .map(|v| {
+                    let here: i64 = sectors.of_vertex(v).iter().map(|&s| i64::from(sectors.quarters[s as usize])).sum();
+                    if open[v as usize] { 2 - here } else { 4 - here }
+                })
+                .sum();
+            assert_eq!(total.round() as i64, 4 * characteristic - at_corners, "{name}");
+
+            let mut wrong = sectors.clone();
+            // On one side of an inner edge only.
+            let inner = |h: &u32| surface.twin(*h).is_some_and(|t| *h < t) && !surface.features().is_feature(*h);
+            let edge = (0..3 * surface.triangle_count() as u32).find(inner).expect("an inner edge");
+            wrong.end[next(edge) as usize] += 0.1;
+            let found = quarters(&surface, &wrong, field.crosses());
+            assert!(found.iter().any(|q| (q - q.round()).abs() > 1e-2), "{name}: a wrong angle is seen");
+        }
+    }
+
+    #[test]
+    fn a_cross_turned_by_a_quarter_is_the_same() {
+        let z = rotate([1.0, 0.0], 0.3);
+        let turned = rotate(z, FRAC_PI_2);
+        assert!((z[0] - turned[0]).abs() < 1e-6 && (z[1] - turned[1]).abs() < 1e-6);
+        let eighth = rotate(z, FRAC_PI_2 / 2.0);
+        assert!((z[0] + eighth[0]).abs() < 1e-6 && (z[1] + eighth[1]).abs() < 1e-6, "an eighth is the farthest");
+    }
+}

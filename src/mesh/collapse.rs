@@ -255,3 +255,150 @@ impl Intrinsic {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::intrinsic::tests::{against_plane, area, euler, faults, patch};
+    use super::*;
+
+    /// A closed surface of unit edges: connectivity alone matters here.
+    fn closed(triangles: &[[u32; 3]]) -> Intrinsic {
+        let vertices = triangles.iter().flatten().max().map_or(0, |v| v + 1);
+        let mut faces = Intrinsic { leaving: vec![NONE; vertices as usize], ..Intrinsic::default() };
+        for &triangle in triangles {
+            let h = faces.push_face(triangle);
+            (0..3).for_each(|k| faces.leaving[triangle[k] as usize] = h + k as u32);
+        }
+        faces.length.fill(1.0);
+        for g in 0..faces.origin.len() as u32 {
+            let twin = (0..faces.origin.len() as u32)
+                .find(|&h| faces.origin[h as usize] == faces.target(g) && faces.target(h) == faces.origin[g as usize]);
+            faces.twin[g as usize] = twin.unwrap_or(NONE);
+        }
+        let mut ring = Vec::new();
+        for v in 0..vertices {
+            faces.ring(v, &mut ring);
+            for (i, &h) in ring.iter().enumerate() {
+                let part = TAU / ring.len() as f64;
+                (faces.begin[h as usize], faces.end[h as usize]) = (part * i as f64, part * (i + 1) as f64);
+            }
+        }
+        faces
+    }
+
+    const TETRAHEDRON: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+    fn none() -> Vec<String> {
+        Vec::new()
+    }
+
+    #[test]
+    fn on_a_flat_patch_inner_vertices_go_without_a_trace() {
+        let n = 8u32;
+        let (mut faces, points) = patch(n as usize);
+        let mut ring = Vec::new();
+        let mut inner: Vec<u32> = (0..(n + 1) * (n + 1))
+            .filter(|v| (1..n).contains(&(v % (n + 1))) && (1..n).contains(&(v / (n + 1))))
+            .collect();
+        // Not in their order.
+        inner.sort_by_key(|v| v * 7919 % 1009);
+        for (count, &v) in inner.iter().enumerate() {
+            assert!(faces.remove(v, &mut ring), "vertex {v}, the {count}th");
+            assert_eq!(faces.leaving[v as usize], NONE);
+            assert!(faces.origin.iter().all(|&o| o != v));
+            assert_eq!(faults(&faces), none(), "after vertex {v}, the {count}th");
+            assert!((area(&faces) - 64.0).abs() < 1e-6, "after vertex {v}, the {count}th: {}", area(&faces));
+            assert_eq!(euler(&faces), 1, "after vertex {v}, the {count}th");
+            assert!(against_plane(&faces, &points) < 1e-6, "after vertex {v}: {}", against_plane(&faces, &points));
+        }
+        let left = faces.leaving.iter().filter(|&&h| h != NONE).count() as u32;
+        assert_eq!(left, 4 * n, "the boundary's vertices");
+    }
+
+    #[test]
+    fn on_a_straight_side_vertices_go_and_on_a_corner_the_area_shrinks() {
+        let n = 4u32;
+        let (mut faces, points) = patch(n as usize);
+        let mut ring = Vec::new();
+        for v in 1..n {
+            assert!(faces.remove(v, &mut ring), "vertex {v}");
+            assert_eq!(faults(&faces), none(), "after vertex {v}");
+            assert!((area(&faces) - 16.0).abs() < 1e-6, "after vertex {v}: {}", area(&faces));
+            assert_eq!(euler(&faces), 1);
+            assert!(against_plane(&faces, &points) < 1e-6);
+        }
+        assert!(faces.joined(0, n), "the side is one edge");
+        // A corner that is taken out is straightened.
+        assert!(faces.remove(0, &mut ring));
+        assert_eq!(euler(&faces), 1);
+        assert!((area(&faces) - 16.0).abs() > 0.1);
+    }
+
+    #[test]
+    fn a_tetrahedron_is_the_least_sphere() {
+        let mut least = closed(&TETRAHEDRON);
+        let mut ring = Vec::new();
+        assert_eq!(faults(&least), none());
+        for v in 0..4 {
+            assert!(!least.remove(v, &mut ring), "vertex {v} of a tetrahedron");
+            assert_eq!((faults(&least), euler(&least)), (none(), 2));
+        }
+        // With a vertex in one of its faces, that one goes.
+        let corner = least.split_face(0, [0.6; 3], [0.0, 2.0, 4.0]);
+        assert!(least.remove(corner, &mut ring));
+        assert_eq!((faults(&least), euler(&least)), (none(), 2));
+    }
+
+    #[test]
+    fn a_sphere_goes_down_to_the_tetrahedron() {
+        // An octahedron, each face split twice.
+        let mut faces =
+            closed(&[[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]);
+        for face in 0..8 {
+            for _ in 0..2 {
+                faces.split_face(face, [0.7; 3], [0.0, 2.0, 4.0]);
+            }
+        }
+        let mut ring = Vec::new();
+        let mut alive: Vec<u32> = (0..faces.leaving.len() as u32).collect();
+        loop {
+            let before = alive.len();
+            alive.retain(|&v| {
+                let gone = faces.remove(v, &mut ring);
+                assert_eq!(euler(&faces), 2, "vertex {v}");
+                // Connectivity alone: faces of so few vertices do not lie flat, and lengths are estimated.
+                let broken: Vec<String> = faults(&faces).into_iter().filter(|f| f.contains("half-edge")).collect();
+                assert_eq!(broken, none(), "vertex {v}");
+                !gone
+            });
+            if alive.len() == before {
+                break;
+            }
+        }
+        assert_eq!(alive.len(), 4);
+    }
+
+    #[test]
+    fn an_annulus_keeps_its_hole() {
+        // Two rings of six, the inner one the hole.
+        let triangles: Vec<[u32; 3]> = (0..6u32)
+            .flat_map(|i| {
+                let j = (i + 1) % 6;
+                [[i, j, 6 + j], [i, 6 + j, 6 + i]]
+            })
+            .collect();
+        let mut faces = closed(&triangles);
+        for h in 0..faces.twin.len() {
+            faces.locked[h] = faces.twin[h] == NONE;
+        }
+        let mut ring = Vec::new();
+        let mut gone = 0;
+        for v in (0..12).chain(0..12).chain(0..12) {
+            if faces.leaving[v as usize] != NONE {
+                gone += usize::from(faces.remove(v, &mut ring));
+                assert_eq!(euler(&faces), 0, "vertex {v}");
+            }
+        }
+        assert_eq!(gone, 6, "three vertices are the least of each loop");
+    }
+}

@@ -185,7 +185,9 @@ impl Layer<'_> {
             if best.as_ref().is_none_or(|b| miss < b.0) {
                 best = Some((miss, h, levels, coarse));
             }
-            if miss < COUNT_ERROR {
+            // Where features alone have more tiles than are wanted, larger ones do not help.
+            let features = best.as_ref().map_or(0, |b| b.3.sites.len());
+            if miss < COUNT_ERROR || features >= count {
                 break;
             }
             h *= ratio.sqrt() as f32;

@@ -1,5 +1,7 @@
 //! What integration tests share: the device, the files beside the repository, and skips that are counted.
 
+pub mod surfaces;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

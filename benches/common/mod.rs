@@ -1,0 +1,54 @@
+//! What the benches share: one surface, meshed as far as a stage needs it.
+#![allow(dead_code, reason = "each bench compiles this file, and none uses all of it")]
+
+use criterion::Criterion;
+use quadmosaic::compute::{Backend, Cpu};
+use quadmosaic::field::Field;
+use quadmosaic::mesh::connect::{ConnectOptions, connect};
+use quadmosaic::mesh::fill::{Holes, fill};
+use quadmosaic::mesh::triangulate::triangulate;
+use quadmosaic::mesh::{Mesh, Triangulation};
+use quadmosaic::mosaic::{Effort, Layer, Mosaic};
+use quadmosaic::surface::examples::Example;
+use quadmosaic::surface::{FeatureOptions, Soup, Surface};
+use std::time::Duration;
+
+/// The vertices that are asked for.
+pub const POINTS: usize = 6_000;
+
+/// Few samples: a stage takes milliseconds to a second, and a whole `cargo bench` is to take minutes.
+pub fn criterion() -> Criterion {
+    Criterion::default()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(2))
+        .configure_from_args()
+}
+
+/// The wing.
+pub fn soup() -> Soup {
+    "m6".parse::<Example>().expect("an example's name").generate(Example::DEFAULT_TRIANGLES)
+}
+
+pub fn surface() -> Surface {
+    Surface::new(&soup(), &FeatureOptions::default()).expect("the wing is a surface")
+}
+
+pub fn field(surface: &Surface) -> Field {
+    Field::new(surface, &[], &Cpu).expect("the CPU does not fail")
+}
+
+pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {
+    let ground = Cpu.ground(surface, field).expect("the CPU does not fail");
+    let layer = Layer { surface, field, ground: &*ground, effort: Effort::default(), progress: &|_| {} };
+    layer.with_count(POINTS).expect("the CPU does not fail")
+}
+
+/// The surface, its tiles' triangulation and the mesh with its holes filled.
+pub fn filled() -> (Surface, Triangulation, Mesh) {
+    let surface = surface();
+    let field = field(&surface);
+    let triangulation = triangulate(&surface, &field, &mosaic(&surface, &field));
+    let (mesh, _) = fill(&triangulation, &connect(&triangulation, &ConnectOptions::default()), Holes::Patterns);
+    (surface, triangulation, mesh)
+}

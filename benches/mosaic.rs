@@ -1,0 +1,18 @@
+//! Laying the mosaic, and one batch of relaxation at its final size.
+
+mod common;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use quadmosaic::mosaic::{Effort, Relaxation, relax};
+
+fn bench(criterion: &mut Criterion) {
+    let surface = common::surface();
+    let field = common::field(&surface);
+    criterion.bench_function("mosaic", |b| b.iter(|| common::mosaic(&surface, &field)));
+    let tiles = common::mosaic(&surface, &field).tiles;
+    let batch = Relaxation::new(Effort::default().steps, tiles[0].h);
+    criterion.bench_function("mosaic/relax", |b| b.iter(|| relax::relax(&surface, &field, &tiles, &batch)));
+}
+
+criterion_group! { name = benches; config = common::criterion(); targets = bench }
+criterion_main!(benches);

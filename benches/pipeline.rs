@@ -1,0 +1,16 @@
+//! The whole method.
+
+mod common;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use quadmosaic::compute::Cpu;
+use quadmosaic::pipeline::{Fineness, Options, run};
+
+fn bench(criterion: &mut Criterion) {
+    let soup = common::soup();
+    let options = Options::new(Fineness::Points(common::POINTS));
+    criterion.bench_function("pipeline", |b| b.iter(|| run(&soup, &options, &Cpu, &|_, _| {})));
+}
+
+criterion_group! { name = benches; config = common::criterion(); targets = bench }
+criterion_main!(benches);
