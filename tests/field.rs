@@ -89,8 +89,8 @@ fn across(columns: usize, degrees: f64) -> Vec<f64> {
     let mut found = vec![f64::NAN; columns + 1];
     for (t, corners) in soup.triangles.iter().enumerate() {
         let first = DVec3::from(soup.points[corners[1] as usize]) - DVec3::from(soup.points[corners[0] as usize]);
-        for k in 0..3 {
-            let [x, y, _] = soup.points[corners[k] as usize];
+        for (k, &corner) in corners.iter().enumerate() {
+            let [x, y, _] = soup.points[corner as usize];
             if x <= columns as f64 && y == (rows / 2) as f64 {
                 found[x as usize] = wrapped(angle(field.in_triangles()[t][k]) + first.y.atan2(first.x)).to_degrees();
             }

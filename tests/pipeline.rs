@@ -24,9 +24,12 @@ fn options() -> Options {
     Options::new(Fineness::Points(POINTS))
 }
 
+/// An example: name, Euler characteristic, boundary loops, triangles, and what became of them.
+type Meshed = (&'static str, i64, usize, Soup, Outcome);
+
 /// The example surfaces, meshed once for all tests.
-fn examples() -> &'static [(&'static str, i64, usize, Soup, Outcome)] {
-    static DONE: OnceLock<Vec<(&'static str, i64, usize, Soup, Outcome)>> = OnceLock::new();
+fn examples() -> &'static [Meshed] {
+    static DONE: OnceLock<Vec<Meshed>> = OnceLock::new();
     DONE.get_or_init(|| {
         EXAMPLES
             .into_iter()
