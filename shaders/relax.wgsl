@@ -36,7 +36,7 @@ const SHEET: f32 = 0.6;
 const STEP: f32 = 0.7;
 const DIAGONAL: f32 = 0.5;
 const WALK_EDGES: u32 = 256u;
-const ARC: vec3<f32> = vec3<f32>(0.16666667, 0.075, 0.044642857);
+const ARC: vec3<f32> = vec3<f32>(0.16666667, 0.075, 0.04464286);
 
 fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;

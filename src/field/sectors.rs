@@ -97,8 +97,6 @@ impl Sectors {
         let whole = !barrier(first);
         let quarters = if whole {
             0
-        } else if barrier_only_once(surface, first, at) {
-            4
         } else if features.is_corner(surface.origin(first)) {
             ((total / FRAC_PI_2).round() as u8).clamp(1, 8)
         } else {
@@ -175,10 +173,6 @@ pub(crate) fn rotate(z: Complex, angle: f64) -> Complex {
     let (s, c) = (4.0 * angle).sin_cos();
     let [x, y] = z.map(f64::from);
     [(x * c - y * s) as f32, (x * s + y * c) as f32]
-}
-
-fn barrier_only_once(surface: &Surface, first: u32, last: u32) -> bool {
-    surface.twin(first) == Some(previous(last))
 }
 
 fn corner_angle(surface: &Surface, corner: u32) -> f64 {

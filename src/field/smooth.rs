@@ -7,6 +7,9 @@ use rayon::prelude::*;
 pub const LINEAR_SWEEPS: u32 = 20;
 /// Sweeps on each level that normalise: they place the singularities.
 pub const UNIT_SWEEPS: u32 = 10;
+/// The sweeps of both kinds are repeated this often on the coarsest level, where they cost nothing: what is tangled there
+/// stays so on all others.
+pub const COARSEST_ROUNDS: u32 = 10;
 
 /// Values shorter than this are left as they are by a normalising sweep.
 pub const LEAST_LENGTH: f32 = 1e-12;
@@ -15,13 +18,20 @@ pub const LEAST_LENGTH: f32 = 1e-12;
 pub fn smooth(hierarchy: &Hierarchy) -> Vec<Complex> {
     let mut values: Vec<Complex> = Vec::new();
     for (depth, level) in hierarchy.levels.iter().enumerate().rev() {
-        values = if depth + 1 == hierarchy.levels.len() { seed(level) } else { prolong(level, &values) };
-        let linear = if hierarchy.constrained { LINEAR_SWEEPS } else { 0 };
-        for sweep_number in 0..linear + UNIT_SWEEPS {
-            values = sweep(level, &values, sweep_number >= linear);
+        let coarsest = depth + 1 == hierarchy.levels.len();
+        values = if coarsest { seed(level) } else { prolong(level, &values) };
+        let [linear, unit] = sweeps(hierarchy.constrained, coarsest);
+        for number in 0..linear + unit {
+            values = sweep(level, &values, number >= linear);
         }
     }
     values
+}
+
+/// How many sweeps a level gets that solve a linear problem, and then how many that normalise.
+pub fn sweeps(constrained: bool, coarsest: bool) -> [u32; 2] {
+    let rounds = if coarsest { COARSEST_ROUNDS } else { 1 };
+    [if constrained { LINEAR_SWEEPS * rounds } else { 0 }, UNIT_SWEEPS * rounds]
 }
 
 /// First values on the coarsest level: the pulls, and where there are none the frames' own axes.

@@ -1,7 +1,7 @@
 //! Smoothing of the field on the device: the twin of [`crate::field::smooth`].
 
 use super::{Access, Buffer, Gpu, GpuError, Kernel, Program, Recording};
-use crate::field::smooth::{LINEAR_SWEEPS, UNIT_SWEEPS, seed};
+use crate::field::smooth::{seed, sweeps};
 use crate::field::{Complex, Hierarchy, Level};
 use bytemuck::{Pod, Zeroable};
 
@@ -79,14 +79,14 @@ impl SmoothKernels {
     pub(super) fn smooth(&self, gpu: &Gpu, hierarchy: &Hierarchy) -> Result<Vec<Complex>, GpuError> {
         let Some((coarsest, finer)) = hierarchy.levels.split_last() else { return Ok(Vec::new()) };
         let mut recording = gpu.record();
-        let linear = if hierarchy.constrained { LINEAR_SWEEPS } else { 0 };
+        let plan = |coarsest| sweeps(hierarchy.constrained, coarsest);
         let seeds = gpu.upload("the coarsest crosses", &seed(coarsest))?;
-        let mut values = self.sweeps(gpu, &mut recording, &LevelBuffers::new(gpu, coarsest)?, seeds, linear)?;
+        let mut values = self.sweeps(gpu, &mut recording, &LevelBuffers::new(gpu, coarsest)?, seeds, plan(true))?;
         for level in finer.iter().rev() {
             let level = LevelBuffers::new(gpu, level)?;
             let fine = gpu.zeros("the crosses", level.count)?;
             self.dispatch(gpu, &mut recording, &self.prolong, &level, &level.unit, &values, &fine)?;
-            values = self.sweeps(gpu, &mut recording, &level, fine, linear)?;
+            values = self.sweeps(gpu, &mut recording, &level, fine, plan(false))?;
         }
         recording.submit()?;
         gpu.read(&values)
@@ -98,10 +98,10 @@ impl SmoothKernels {
         recording: &mut Recording,
         level: &LevelBuffers,
         mut now: Buffer<Complex>,
-        linear: u32,
+        [linear, unit]: [u32; 2],
     ) -> Result<Buffer<Complex>, GpuError> {
         let mut then = gpu.zeros("the crosses", level.count)?;
-        for sweep in 0..linear + UNIT_SWEEPS {
+        for sweep in 0..linear + unit {
             let settings = if sweep < linear { &level.linear } else { &level.unit };
             self.dispatch(gpu, recording, &self.sweep, level, settings, &now, &then)?;
             std::mem::swap(&mut now, &mut then);

@@ -187,7 +187,7 @@ impl Intrinsic {
             }
             let turn = angle(to_v[i], to_x[i], to_v[0]) * if places[i] <= PI { 1.0 } else { -1.0 };
             let (before, after) = (next(fan.spokes[i]), previous(fan.spokes[i - 1]));
-            let turn = turn.clamp(-0.9 * self.width(before), 0.9 * self.width(after));
+            let turn = turn.max(-0.9 * self.width(before)).min(0.9 * self.width(after));
             self.end[before as usize] += turn;
             self.begin[after as usize] += turn;
         }
@@ -201,9 +201,10 @@ impl Intrinsic {
         let left = (self.begin[left as usize], self.width(left));
         let stay = if *closed { 1..count - 1 } else { 1..count };
         let fill = |s: &mut Self, span: std::ops::Range<usize>, begin: f64, width: f64| {
+            // Faces whose estimated lengths do not close have no angle: they share alike.
             let angles: Vec<f64> = span
                 .clone()
-                .map(|i| angle(to_x[i], to_x[(i + 1) % around.len()], s.length[next(spokes[i]) as usize]))
+                .map(|i| angle(to_x[i], to_x[(i + 1) % around.len()], s.length[next(spokes[i]) as usize]).max(1e-9))
                 .collect();
             let total: f64 = angles.iter().sum::<f64>().max(f64::MIN_POSITIVE);
             let mut at = begin;

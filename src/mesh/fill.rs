@@ -33,8 +33,10 @@ pub enum Holes {
 const LARGEST: usize = 14;
 /// The cost of a triangle, against that of a quad of shape 0.
 const TRIANGLE: f64 = 1.0;
-/// The cost of a face that is concave or faces the wrong way.
+/// The cost of a face that is concave or nearly so.
 const FOLDED: f64 = 10.0;
+/// The cost of a face that faces away from its tiles: where the surface bends within a tile, all faces may have to.
+const AVERTED: f64 = 3.0;
 
 /// The faces that the edges of the mesh enclose, holes treated as asked; and how many holes there were.
 pub fn fill(triangulation: &Triangulation, edges: &[bool], holes: Holes) -> (Mesh, usize) {
@@ -254,7 +256,8 @@ impl<'a> Filler<'a> {
                 (quad_shape(p.map(|q| q.to_array())), normal(p[2] - p[0], p[3] - p[1]), 0.0)
             }
         };
-        let folded = shape <= 0.05 || face_normal.dot(up) <= 0.0;
-        base + (1.0 - shape) + if folded { FOLDED } else { 0.0 }
+        let folded = if shape <= 0.05 { FOLDED } else { 0.0 };
+        let averted = if face_normal.dot(up) <= 0.0 { AVERTED } else { 0.0 };
+        base + (1.0 - shape) + folded + averted
     }
 }

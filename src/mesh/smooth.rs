@@ -25,8 +25,8 @@ pub fn smooth(surface: &Surface, mesh: &Mesh, triangles: &[Option<u32>], passes:
     let incidence = Incidence::new(&mesh);
     let barrier = |h| surface.features().is_feature(h);
     for _ in 0..passes {
-        for v in 0..mesh.points.len() {
-            let Some(triangle) = triangles[v] else { continue };
+        for (v, below) in triangles.iter_mut().enumerate() {
+            let Some(triangle) = *below else { continue };
             let at = DVec3::from(mesh.points[v]);
             let faces = incidence.faces_at(v);
             let way = faces.iter().map(|&f| ideal(&mesh, f, v) - at).sum::<DVec3>() / faces.len().max(1) as f64;
@@ -42,7 +42,7 @@ pub fn smooth(surface: &Surface, mesh: &Mesh, triangles: &[Option<u32>], passes:
                 mesh.points[v] = to_f64(foot.position);
                 let (new_least, new_mean) = shapes(&mesh, faces);
                 if new_least >= least && new_mean > mean {
-                    triangles[v] = Some(foot.triangle);
+                    *below = Some(foot.triangle);
                     break;
                 }
                 mesh.points[v] = at.into();

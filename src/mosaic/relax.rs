@@ -28,7 +28,7 @@ pub const STEP: f32 = 0.7;
 /// A diagonal neighbour's weight against that of one along the axes.
 pub const DIAGONAL: f32 = 0.5;
 /// The first terms of the series of `arcsin(s) / s` in `s^2`: 1/6, 3/40, 15/336.
-const ARC: [f32; 3] = [0.16666667, 0.075, 0.044642857];
+const ARC: [f32; 3] = [0.16666667, 0.075, 0.04464286];
 
 /// A batch of relaxation steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
