@@ -23,7 +23,7 @@ use thiserror::Error;
 pub enum Fineness {
     /// This many vertices.
     Points(usize),
-    /// Tiles of this side, in model units.
+    /// As many as tiles of this side, in model units, cover the surface.
     Size(f64),
 }
 
@@ -149,13 +149,13 @@ pub fn run(
 
     clock.begin(Stage::Surface);
     let surface = Surface::new(soup, &options.features)?;
-    let h = side(&surface, options.fineness)?;
+    let count = count(&surface, options.fineness)?;
 
     clock.begin(Stage::Field);
     let field = Field::new(&surface, &options.guides, backend)?;
 
     clock.begin(Stage::Mosaic);
-    let mosaic = lay(&surface, &field, backend, options.fineness, h, &|share| progress(Stage::Mosaic, share))?;
+    let mosaic = lay(&surface, &field, backend, count, &|share| progress(Stage::Mosaic, share))?;
 
     clock.begin(Stage::Connect);
     let triangulation = triangulate(&surface, &field, &mosaic);
@@ -187,22 +187,17 @@ fn lay(
     surface: &Surface,
     field: &Field,
     backend: &dyn Backend,
-    fineness: Fineness,
-    h: f32,
+    count: usize,
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
     let ground = backend.ground(surface, field)?;
-    let layer = Layer { surface, field, ground: &*ground, effort: Effort::default(), progress };
-    match fineness {
-        Fineness::Points(count) => layer.with_count(count),
-        Fineness::Size(_) => layer.with_side(h),
-    }
+    Layer { surface, field, ground: &*ground, effort: Effort::default(), progress }.with_count(count)
 }
 
-/// The side of the tiles, unit-sized.
-fn side(surface: &Surface, fineness: Fineness) -> Result<f32, PipelineError> {
+/// How many vertices that makes.
+fn count(surface: &Surface, fineness: Fineness) -> Result<usize, PipelineError> {
     match fineness {
-        Fineness::Points(count) if POINTS.contains(&count) => Ok(mosaic::side_for_count(surface, count)),
+        Fineness::Points(count) if POINTS.contains(&count) => Ok(count),
         Fineness::Points(count) => Err(PipelineError::Fineness(format!(
             "a mesh of {count} points cannot be made; ask for {} to {}",
             POINTS.start(),
@@ -210,11 +205,11 @@ fn side(surface: &Surface, fineness: Fineness) -> Result<f32, PipelineError> {
         ))),
         Fineness::Size(size) => {
             let diagonal = surface.frame().diagonal;
-            let count = surface.area() / (size / diagonal).powi(2);
+            let count = mosaic::count_for_side(surface, size / diagonal);
             if size > 0.0 && size <= diagonal && count <= *POINTS.end() as f64 {
-                return Ok((size / diagonal) as f32);
+                return Ok((count.round() as usize).max(*POINTS.start()));
             }
-            let least = diagonal * (surface.area() / *POINTS.end() as f64).sqrt();
+            let least = diagonal * f64::from(mosaic::side_for_count(surface, *POINTS.end()));
             Err(PipelineError::Fineness(format!(
                 "tiles of side {size} cannot cover this surface; ask for {least:.3e} to {diagonal:.3e}, its diagonal"
             )))

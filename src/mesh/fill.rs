@@ -47,7 +47,7 @@ pub fn fill(triangulation: &Triangulation, edges: &[bool], holes: Holes) -> (Mes
     for face in 0..faces.face_count() as u32 {
         if !filler.seen[face as usize] {
             let region = filler.region(face);
-            count += usize::from(filler.treat(region, holes, &mut mesh));
+            count += filler.treat(region, holes, &mut mesh);
         }
     }
     (mesh, count)
@@ -87,11 +87,10 @@ impl<'a> Filler<'a> {
         region
     }
 
-    /// Adds the region's faces to the mesh; true where it was a hole.
-    fn treat(&mut self, region: Vec<u32>, holes: Holes, mesh: &mut Mesh) -> bool {
+    /// Adds the region's faces to the mesh; returns how many holes it was, more than one where it was no disc.
+    fn treat(&mut self, region: Vec<u32>, holes: Holes, mesh: &mut Mesh) -> usize {
         let Some(polygon) = self.polygon(&region) else {
-            self.split_region(region, holes, mesh);
-            return true;
+            return self.split_region(region, holes, mesh);
         };
         match (polygon.len(), holes) {
             (3, _) => mesh.push_face(&polygon),
@@ -100,9 +99,11 @@ impl<'a> Filler<'a> {
             (_, Holes::Leave) => mesh.push_face(&polygon),
             (_, Holes::Triangles) => self.split_polygon(&polygon, holes, mesh),
             (k, Holes::Patterns) if k <= LARGEST => self.split_polygon(&polygon, holes, mesh),
-            _ => self.split_region(region, holes, mesh),
+            _ => {
+                self.split_region(region, holes, mesh);
+            }
         }
-        polygon.len() > 4
+        usize::from(polygon.len() > 4)
     }
 
     /// The border of a region, where that is one loop that meets no vertex twice and leaves none inside.
@@ -130,7 +131,7 @@ impl<'a> Filler<'a> {
     }
 
     /// Makes the inner edge of a region that suits best an edge of the mesh and treats what is left on either side.
-    fn split_region(&mut self, region: Vec<u32>, holes: Holes, mesh: &mut Mesh) {
+    fn split_region(&mut self, region: Vec<u32>, holes: Holes, mesh: &mut Mesh) -> usize {
         let lonely = |v: u32, s: &Self| {
             let mut ring = Vec::new();
             s.faces.ring(v, &mut ring);
@@ -157,18 +158,20 @@ impl<'a> Filler<'a> {
             for &f in &region {
                 mesh.push_face(&[0, 1, 2].map(|k| self.faces.origin[3 * f as usize + k]));
             }
-            return;
+            return 0;
         };
         let twin = self.faces.twin[h as usize];
         self.edges[h as usize] = true;
         self.edges[twin as usize] = true;
         region.iter().for_each(|&f| self.seen[f as usize] = false);
+        let mut count = 0;
         for face in region {
             if !self.seen[face as usize] {
                 let part = self.region(face);
-                self.treat(part, holes, mesh);
+                count += self.treat(part, holes, mesh);
             }
         }
+        count
     }
 
     fn split_polygon(&mut self, polygon: &[u32], holes: Holes, mesh: &mut Mesh) {

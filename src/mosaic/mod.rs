@@ -127,6 +127,11 @@ impl Default for Effort {
     }
 }
 
+/// The number of tiles of side `h`, unit-sized, that a surface takes: the inverse of [`side_for_count`].
+pub fn count_for_side(surface: &Surface, h: f64) -> f64 {
+    surface.area() / (h * h) + surface.boundary_length() / (2.0 * h)
+}
+
 /// The side for `count` tiles: inner tiles cover a square each, tiles on an open boundary half of one.
 pub fn side_for_count(surface: &Surface, count: usize) -> f32 {
     let (area, boundary) = (surface.area(), surface.boundary_length());
@@ -150,44 +155,60 @@ pub struct Layer<'a> {
     pub progress: &'a dyn Fn(f32),
 }
 
-/// A mosaic may miss the asked count by this share before another coarse one is tried.
-const COUNT_ERROR: f64 = 0.005;
+/// A mosaic may miss the asked count by this share before another one is laid.
+const COUNT_ERROR: f64 = 0.01;
+/// Mosaics that are laid in full.
+const ATTEMPTS: usize = 3;
+/// A coarse mosaic may promise a count that is wrong by this share before another one is tried.
+const PROMISE_ERROR: f64 = 0.005;
 /// Coarse mosaics that are tried.
 const TRIES: usize = 5;
 
 impl Layer<'_> {
-    /// A mosaic of tiles of side `h`, unit-sized: few large tiles first, split until they have that side.
-    ///
-    /// # Errors
-    /// Where the backend fails.
-    pub fn with_side(&self, h: f32) -> Result<Mosaic, ComputeError> {
-        let levels = self.levels(h);
-        let coarse = self.coarse(h, levels)?;
-        self.finest(coarse, h, levels)
-    }
-
     /// A mosaic of nearly `count` tiles.
     ///
-    /// Each tile of the last coarse level becomes nine, so that level decides the count; it is cheap, and laid again
-    /// with another side until the count is right.
+    /// The census of the finest level changes the count a little; where it misses by too much, another count is aimed at.
     ///
     /// # Errors
     /// Where the backend fails.
     pub fn with_count(&self, count: usize) -> Result<Mosaic, ComputeError> {
-        let mut h = side_for_count(self.surface, count);
+        let mut aim = count as f64;
+        let mut best = self.aimed_at(aim)?;
+        let mut last = best.count();
+        let miss = |found: usize| (found.max(1) as f64 / count as f64).ln().abs();
+        for _ in 1..ATTEMPTS {
+            // Where features alone have more tiles than are wanted, no aim helps.
+            if miss(last) < COUNT_ERROR || best.sites.len() >= count {
+                break;
+            }
+            aim *= count as f64 / last.max(1) as f64;
+            let other = self.aimed_at(aim)?;
+            last = other.count();
+            if miss(last) < miss(best.count()) {
+                best = other;
+            }
+        }
+        Ok(best)
+    }
+
+    /// A mosaic whose last coarse level promises `count` tiles.
+    ///
+    /// Each tile of that level becomes nine, so it decides the count; it is cheap, and laid again with another side
+    /// until its promise is right.
+    fn aimed_at(&self, count: f64) -> Result<Mosaic, ComputeError> {
+        let mut h = side_for_count(self.surface, count.round() as usize);
         let mut best: Option<(f64, f32, i32, Mosaic)> = None;
         for _ in 0..TRIES {
             let levels = self.levels(h);
             let coarse = self.coarse(h, levels)?;
             let promised = if levels == 0 { coarse.count() } else { self.refined(&coarse, h).count() };
-            let ratio = promised.max(1) as f64 / count as f64;
+            let features = coarse.sites.len();
+            let ratio = promised.max(1) as f64 / count;
             let miss = ratio.ln().abs();
             if best.as_ref().is_none_or(|b| miss < b.0) {
                 best = Some((miss, h, levels, coarse));
             }
-            // Where features alone have more tiles than are wanted, larger ones do not help.
-            let features = best.as_ref().map_or(0, |b| b.3.sites.len());
-            if miss < COUNT_ERROR || features >= count {
+            if miss < PROMISE_ERROR || features as f64 >= count {
                 break;
             }
             h *= ratio.sqrt() as f32;
