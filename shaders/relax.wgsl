@@ -172,10 +172,13 @@ struct Sight {
 
 fn see(a: Tile, b: Tile) -> Sight {
     var sight: Sight;
-    let cosine = dot3(a.normal, b.normal);
     let h = (a.h + b.h) * 0.5;
     let e = b.position - a.position;
-    if cosine < LEAST_COSINE || dot3(e, e) > (REACH * h) * (REACH * h) {
+    if dot3(e, e) > (REACH * h) * (REACH * h) {
+        return sight;
+    }
+    let cosine = dot3(a.normal, b.normal);
+    if cosine < LEAST_COSINE {
         return sight;
     }
     let n = unit(a.normal + b.normal);

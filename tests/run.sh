@@ -27,6 +27,8 @@ if ! compgen -G "/usr/share/vulkan/icd.d/*icd*.json" >/dev/null && ! compgen -G 
         echo "No Vulkan driver could be installed; the GPU tests need one (as root: apt-get install mesa-vulkan-drivers libvulkan1), or QUADMOSAIC_REQUIRE_GPU=0 to skip them." >&2
     fi
 fi
+# Where there is no desktop, Mesa's device-select layer complains on stderr at every start.
+[ -n "${XDG_RUNTIME_DIR-}" ] || export NODEVICE_SELECT=1
 export QUADMOSAIC_REQUIRE_GPU="${QUADMOSAIC_REQUIRE_GPU-1}"
 
 if cargo fmt --version >/dev/null 2>&1; then

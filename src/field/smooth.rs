@@ -1,4 +1,8 @@
 //! Smoothing of the field, from the coarsest level to the finest; the twin of `shaders/smooth.wgsl`.
+//!
+//! # Practice
+//! Sums are written term by term, `s + a * b - c * d`: lavapipe (Mesa 22.3.6) takes `s + (a * b - c * d)` apart in just that
+//! way, and would give other bits than Rust.
 
 use super::{Complex, Hierarchy, Level};
 use rayon::prelude::*;

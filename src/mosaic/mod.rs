@@ -12,6 +12,11 @@
 //!
 //! # Practice
 //! Order of work: [`seat`] tiles on features, [`sow`] free tiles, [`relax`], [`census`] (remove and add), [`refine`].
+//!
+//! Tried at 6,000 tiles on m6_gen, fish_blub, spot and fandisk (Qr before clean-up, mean of the four): four batches of 8
+//! steps on each finer level 0.962, two batches 0.959, one batch of 12 steps 0.958, two batches of 6 steps 0.961; twice as
+//! many batches on the first level 0.960. Two batches of 8 are kept: differences below 0.005 are what another seed makes.
+//! A reach of 1.6 tile sides instead of 1.75 loses 0.003 of Qr on the eight models and saves a tenth of the time.
 
 pub mod census;
 pub mod grid;

@@ -117,11 +117,14 @@ impl Sight {
 
 /// How tile `a` sees tile `b`; `None` where it does not.
 pub(crate) fn see(a: &Tile, b: &Tile) -> Option<Sight> {
-    let (na, nb) = (a.normal(), b.normal());
-    let cosine = dot(na, nb);
     let h = (a.h + b.h) * 0.5;
     let e = b.at() - a.at();
-    if cosine < LEAST_COSINE || dot(e, e) > (REACH * h) * (REACH * h) {
+    if dot(e, e) > (REACH * h) * (REACH * h) {
+        return None;
+    }
+    let (na, nb) = (a.normal(), b.normal());
+    let cosine = dot(na, nb);
+    if cosine < LEAST_COSINE {
         return None;
     }
     let n = unit(na + nb);
