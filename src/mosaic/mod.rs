@@ -161,7 +161,7 @@ pub struct Layer<'a> {
 }
 
 /// A mosaic may miss the asked count by this share before another one is laid.
-const COUNT_ERROR: f64 = 0.01;
+const COUNT_ERROR: f64 = 0.015;
 /// Mosaics that are laid in full.
 const ATTEMPTS: usize = 3;
 /// A coarse mosaic may promise a count that is wrong by this share before another one is tried.
