@@ -272,3 +272,24 @@ fn the_shared_wing_meshes_well() {
     let qg = quality.qg.expect("quads").mean;
     assert!(quality.qr >= 0.92 && qg >= 0.90, "Qr {}, Qg {qg}", quality.qr);
 }
+
+/// The unit cube in twelve triangles.
+fn cube() -> Soup {
+    let points = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(f64::from)).collect();
+    let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = squares.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Soup { points, triangles }
+}
+
+#[test]
+fn triangles_may_be_far_larger_than_tiles() {
+    let outcome = meshed(&cube(), &Options::new(Fineness::Points(12_000)));
+    let faults = check(&outcome.mesh);
+    assert!(faults.is_clean(), "{faults}");
+    assert_eq!((faults.euler, faults.boundary_loops, faults.components), (2, 0, 1));
+    assert!(Quality::of(&outcome.mesh).qr > 0.95);
+    // A cube with a face too few is told apart.
+    let mut open = cube();
+    open.triangles.pop();
+    assert_eq!(check(&meshed(&open, &Options::new(Fineness::Points(500))).mesh).boundary_loops, 1);
+}

@@ -267,7 +267,14 @@ impl Intrinsic {
     }
 
     /// Flips edges until all that can be are Delaunay, starting from these half-edges.
-    pub fn legalize(&mut self, stack: &mut Vec<u32>, may_flip: impl Fn(&Self, u32) -> bool) {
+    ///
+    /// `may_flip(self, h)` can forbid it; `length(a, b, l)` gives the new edge's length, `l` being what the flip found.
+    pub fn legalize(
+        &mut self,
+        stack: &mut Vec<u32>,
+        may_flip: impl Fn(&Self, u32) -> bool,
+        length: impl Fn(u32, u32, f64) -> f64,
+    ) {
         let mut budget = 1000 + 100 * stack.len();
         while let Some(h) = stack.pop() {
             if !self.is_alive(h / 3) || self.is_delaunay(h) || budget == 0 || !may_flip(self, h) {
@@ -277,6 +284,9 @@ impl Intrinsic {
             if self.flip(h) {
                 budget -= 1;
                 let (f, g) = (h / 3 * 3, t / 3 * 3);
+                let new = length(self.origin[f as usize + 1], self.target(f + 1), self.length[f as usize + 1]);
+                self.length[f as usize + 1] = new;
+                self.length[g as usize + 2] = new;
                 stack.extend([f, f + 2, g, g + 1]);
             }
         }
@@ -661,7 +671,7 @@ pub(super) mod tests {
         let broken = |faces: &Intrinsic| (0..faces.origin.len() as u32).filter(|&h| !faces.is_delaunay(h)).count();
         assert!(broken(&faces) > 20, "the patch is not Delaunay as it is made");
         let mut stack = (0..faces.origin.len() as u32).collect();
-        faces.legalize(&mut stack, |_, _| true);
+        faces.legalize(&mut stack, |_, _| true, |_, _, length| length);
         assert_eq!(broken(&faces), 0);
         assert_eq!(faults(&faces), none());
         assert!(against_plane(&faces, &points) < 1e-7, "flips in the plane are exact");
@@ -680,6 +690,6 @@ pub(super) mod tests {
             assert!(points.iter().all(|p| (p[0] - centre[0]).hypot(p[1] - centre[1]) > radius - 1e-6), "face {f}");
         }
         let mut again = (0..faces.origin.len() as u32).collect();
-        faces.legalize(&mut again, |_, _| panic!("nothing is left to flip"));
+        faces.legalize(&mut again, |_, _| panic!("nothing is left to flip"), |_, _, length| length);
     }
 }

@@ -184,7 +184,7 @@ impl Work {
         let mut vertices = vec![NONE; tiles.len()];
         // Walks towards a point are sure to end where the triangles are Delaunay.
         let mut stack: Vec<u32> = (0..self.faces.origin.len() as u32).collect();
-        legalize_within(&mut self.faces, &self.home, &mut stack);
+        self.legalize_within(&mut stack);
         let mut face = 0;
         let mut triangle = NONE;
         for i in order {
@@ -208,10 +208,23 @@ impl Work {
             let new = self.faces.leaving[vertex as usize];
             self.faces.ring(vertex, &mut stack);
             let mut sides: Vec<u32> = stack.iter().map(|&h| super::intrinsic::next(h)).collect();
-            legalize_within(&mut self.faces, &self.home, &mut sides);
+            self.legalize_within(&mut sides);
             face = new / 3;
         }
         vertices
+    }
+
+    /// Flips edges to be Delaunay, those of the surface's own triangles left alone.
+    ///
+    /// Inside a triangle places are known, and lengths are taken from them: in the slivers beside its edges those of one
+    /// flip from another would lose their digits.
+    fn legalize_within(&mut self, stack: &mut Vec<u32>) {
+        let (home, points) = (&self.home, &self.points);
+        self.faces.legalize(
+            stack,
+            |faces, h| home[h as usize / 3] == home[faces.twin[h as usize] as usize / 3],
+            |a, b, _| points[a as usize].distance(points[b as usize]),
+        );
     }
 
     /// The face of the same triangle of the surface that holds a point.
@@ -237,7 +250,7 @@ impl Work {
     fn remove_others(&mut self, tile_of: &[u32]) -> Vec<u32> {
         let faces = &mut self.faces;
         let mut stack: Vec<u32> = (0..faces.origin.len() as u32).collect();
-        faces.legalize(&mut stack, |_, _| true);
+        faces.legalize(&mut stack, |_, _| true, |_, _, length| length);
         let mut waiting: Vec<u32> = (0..tile_of.len() as u32).filter(|&v| tile_of[v as usize] == NONE).collect();
         let (mut ring, mut near) = (Vec::new(), Vec::new());
         loop {
@@ -252,7 +265,7 @@ impl Work {
                     faces.ring(w, &mut ring);
                     stack.extend_from_slice(&ring);
                 }
-                faces.legalize(&mut stack, |_, _| true);
+                faces.legalize(&mut stack, |_, _| true, |_, _, length| length);
                 false
             });
             if waiting.is_empty() || waiting.len() == before {
@@ -260,11 +273,6 @@ impl Work {
             }
         }
     }
-}
-
-/// Flips edges to be Delaunay, those of the surface's own triangles left alone.
-fn legalize_within(faces: &mut Intrinsic, home: &[u32], stack: &mut Vec<u32>) {
-    faces.legalize(stack, |faces, h| home[h as usize / 3] == home[faces.twin[h as usize] as usize / 3]);
 }
 
 /// The point, in the plane of the triangle and inside it by a small margin.
