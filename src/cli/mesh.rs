@@ -12,7 +12,7 @@ use quadmosaic::field::{Guide, read_guides};
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::fill;
 use quadmosaic::pipeline::{self, Fineness, Options, POINTS, Stage};
-use quadmosaic::report::Report;
+use quadmosaic::report::{Asked, Report};
 use quadmosaic::surface::FeatureOptions;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -148,7 +148,25 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     if !report.faults.is_clean() {
         eprintln!("warning: {} has {}", arguments.output.display(), report.faults);
     }
+    if let Some(warning) = count_warning(&report) {
+        eprintln!("warning: {warning}");
+    }
     Ok(())
+}
+
+/// A count is told to be wrong where it misses by more than this share.
+const COUNT_TOLERANCE: f64 = 0.05;
+
+fn count_warning(report: &Report) -> Option<String> {
+    let Asked::Points(asked) = report.asked else { return None };
+    let found = report.mesh.vertices;
+    (found.abs_diff(asked) as f64 > COUNT_TOLERANCE * asked as f64).then(|| {
+        format!(
+            "{found} vertices instead of {asked}: {} lie on features; ask for another number, or for fewer features by \
+             --crease",
+            report.mosaic.on_features
+        )
+    })
 }
 
 impl Arguments {
