@@ -77,7 +77,7 @@ fn a_step_is_the_same_on_every_example() {
 fn a_batch_of_steps_is_the_same() {
     let Some(gpu) = common::gpu() else { return };
     if gpu.adapter().hardware {
-        // Differences grow from step to step: the whole mesh's figures are compared instead.
+        common::skip("on hardware differences grow from step to step; tests/backends.rs compares the mesh's figures");
         return;
     }
     let (surface, field) = example("m6");

@@ -247,16 +247,15 @@ impl<'a> Filler<'a> {
 
     fn face_cost(&self, face: &[u32]) -> f64 {
         let points = |i: usize| self.triangulation.points[face[i] as usize];
-        let normal = |a: DVec3, b: DVec3| a.cross(b);
         let up: DVec3 = face.iter().map(|&v| self.triangulation.tiles[v as usize].normal().as_dvec3()).sum();
         let (shape, face_normal, base) = match face.len() {
             3 => {
                 let p = [points(0), points(1), points(2)];
-                (triangle_shape(p.map(|q| q.to_array())), normal(p[1] - p[0], p[2] - p[0]), TRIANGLE)
+                (triangle_shape(p.map(|q| q.to_array())), (p[1] - p[0]).cross(p[2] - p[0]), TRIANGLE)
             }
             _ => {
                 let p = [points(0), points(1), points(2), points(3)];
-                (quad_shape(p.map(|q| q.to_array())), normal(p[2] - p[0], p[3] - p[1]), 0.0)
+                (quad_shape(p.map(|q| q.to_array())), (p[2] - p[0]).cross(p[3] - p[1]), 0.0)
             }
         };
         let folded = if shape <= 0.05 { FOLDED } else { 0.0 };

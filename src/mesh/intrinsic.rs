@@ -292,7 +292,9 @@ impl Intrinsic {
         }
     }
 
-    /// Splits a half-edge's edge at a share of its length; returns the new vertex.
+    /// Splits an edge on a feature at a share of a half-edge's length; returns the new vertex.
+    ///
+    /// Directions at the new vertex count from the edge, on either side of it apart.
     pub fn split_edge(&mut self, h: u32, share: f64) -> u32 {
         let m = self.leaving.len() as u32;
         self.leaving.push(NONE);

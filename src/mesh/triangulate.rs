@@ -46,11 +46,9 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     let mut work = Work::new(surface, field);
     let sites = work.place_sites(surface, mosaic);
     let free = work.place_free(surface, mosaic);
-    let mut tile_of = vec![NONE; work.faces.leaving.len()];
-    for (i, &vertex) in sites.iter().chain(&free).enumerate() {
-        tile_of[vertex as usize] = i as u32;
-    }
-    let left = work.remove_others(&tile_of);
+    let mut is_tile = vec![false; work.faces.leaving.len()];
+    sites.iter().chain(&free).for_each(|&vertex| is_tile[vertex as usize] = true);
+    let left = work.remove_others(&is_tile);
     let order: Vec<u32> = sites.iter().chain(&free).chain(&left).copied().collect();
     let mut tiles: Vec<Tile> = mosaic.sites.iter().map(|site| mosaic.tiles[site.first_side as usize]).collect();
     tiles.extend_from_slice(mosaic.free());
@@ -247,11 +245,11 @@ impl Work {
     }
 
     /// Takes out every vertex that is no tile; returns those that have to stay.
-    fn remove_others(&mut self, tile_of: &[u32]) -> Vec<u32> {
+    fn remove_others(&mut self, is_tile: &[bool]) -> Vec<u32> {
         let faces = &mut self.faces;
         let mut stack: Vec<u32> = (0..faces.origin.len() as u32).collect();
         faces.legalize(&mut stack, |_, _| true, |_, _, length| length);
-        let mut waiting: Vec<u32> = (0..tile_of.len() as u32).filter(|&v| tile_of[v as usize] == NONE).collect();
+        let mut waiting: Vec<u32> = (0..is_tile.len() as u32).filter(|&v| !is_tile[v as usize]).collect();
         let (mut ring, mut near) = (Vec::new(), Vec::new());
         loop {
             let before = waiting.len();

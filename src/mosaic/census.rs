@@ -1,7 +1,7 @@
 //! Between batches of relaxation: one of two tiles that overlap goes, and a tile comes where a place is empty.
 
 use super::grid::Grid;
-use super::relax::{REACH, see};
+use super::relax::{self, see};
 use super::{Mosaic, Tile};
 use crate::field::Field;
 use crate::geometry::dot;
@@ -15,19 +15,17 @@ const EMPTY: f32 = 0.72;
 /// surfaces normals differ by less than that between tiles that do take each other's place.
 const OTHER_SIDE: f32 = -0.5;
 
-/// Removes tiles where they crowd and, where `add` says so, adds tiles where there is room. In the order of ids.
-pub fn take(surface: &Surface, field: &Field, mosaic: &Mosaic, add: bool) -> Mosaic {
+/// Removes tiles where they crowd and adds tiles where there is room, in the order of ids.
+pub fn take(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Mosaic {
     let tiles = thin(mosaic);
     let mut result = Mosaic { sites: mosaic.sites.clone(), tiles, sides: mosaic.sides };
-    if add {
-        let more = room(surface, field, &result);
-        result.tiles.extend(more);
-    }
+    let more = room(surface, field, &result);
+    result.tiles.extend(more);
     result
 }
 
 fn cell_of(tiles: &[Tile]) -> f32 {
-    1.001 * REACH * tiles.iter().map(|t| t.h).fold(0.0, f32::max)
+    relax::cell(tiles.iter().map(|t| t.h).fold(0.0, f32::max))
 }
 
 fn thin(mosaic: &Mosaic) -> Vec<Tile> {

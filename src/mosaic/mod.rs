@@ -156,7 +156,7 @@ pub struct Layer<'a> {
     pub ground: &'a dyn Ground,
     /// How hard to work.
     pub effort: Effort,
-    /// Is told how far the work is, from 0 to 1.
+    /// Is told how far the work is, from 0 to 1; it begins anew where a mosaic is laid again for its count.
     pub progress: &'a dyn Fn(f32),
 }
 
@@ -206,20 +206,23 @@ impl Layer<'_> {
         for _ in 0..TRIES {
             let levels = self.levels(h);
             let coarse = self.coarse(h, levels)?;
-            let promised = if levels == 0 { coarse.count() } else { self.refined(&coarse, h).count() };
-            let features = coarse.sites.len();
-            let ratio = promised.max(1) as f64 / count;
+            let finest = if levels == 0 { coarse } else { self.refined(&coarse, h) };
+            let features = finest.sites.len();
+            let ratio = finest.count().max(1) as f64 / count;
             let miss = ratio.ln().abs();
             if best.as_ref().is_none_or(|b| miss < b.0) {
-                best = Some((miss, h, levels, coarse));
+                best = Some((miss, h, levels, finest));
             }
             if miss < PROMISE_ERROR || features as f64 >= count {
                 break;
             }
             h *= ratio.sqrt() as f32;
         }
-        let (_, h, levels, coarse) = best.expect("one try at least");
-        self.finest(coarse, h, levels)
+        (self.progress)(0.3);
+        let (_, h, levels, finest) = best.expect("one try at least");
+        let settled = if levels == 0 { finest } else { self.settled(finest, h, self.effort.batches)? };
+        (self.progress)(1.0);
+        Ok(settled)
     }
 
     /// How many times tiles are split by three to reach side `h`.
@@ -239,31 +242,22 @@ impl Layer<'_> {
         for level in 1..levels {
             let h = h * 3f32.powi(levels - level);
             mosaic = self.settled(self.refined(&mosaic, h), h, self.effort.batches)?;
-            (self.progress)(0.3 * level as f32 / levels as f32);
         }
         Ok(mosaic)
-    }
-
-    fn finest(&self, coarse: Mosaic, h: f32, levels: i32) -> Result<Mosaic, ComputeError> {
-        if levels == 0 {
-            return Ok(coarse);
-        }
-        self.settled(self.refined(&coarse, h), h, self.effort.batches)
     }
 
     fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {
         let free = refine::refine(self.surface, self.field, coarse, h);
         let refined = Mosaic::new(self.surface, self.field, h, free);
-        census::take(self.surface, self.field, &refined, true)
+        census::take(self.surface, self.field, &refined)
     }
 
     /// Relaxed in batches, with a census after each.
     fn settled(&self, mut mosaic: Mosaic, h: f32, batches: usize) -> Result<Mosaic, ComputeError> {
         let relaxation = Relaxation::new(self.effort.steps, h);
-        for batch in 0..batches {
+        for _ in 0..batches {
             mosaic.tiles = self.ground.relax(&mosaic.tiles, &relaxation)?;
-            mosaic = census::take(self.surface, self.field, &mosaic, true);
-            (self.progress)(0.3 + 0.7 * (batch + 1) as f32 / batches as f32);
+            mosaic = census::take(self.surface, self.field, &mosaic);
         }
         Ok(mosaic)
     }

@@ -42,9 +42,14 @@ pub struct Relaxation {
 impl Relaxation {
     /// Steps for tiles of side at most `h`.
     pub fn new(steps: u32, h: f32) -> Self {
-        // A little more than the reach, so that rounding puts no neighbour two cells away.
-        Self { steps, cell: 1.001 * REACH * h }
+        Self { steps, cell: cell(h) }
     }
+}
+
+/// The side of the grid's cells for tiles of side at most `h`: a little more than their reach, so that rounding puts no
+/// neighbour two cells away.
+pub(super) fn cell(h: f32) -> f32 {
+    1.001 * REACH * h
 }
 
 /// Takes a batch of steps on the CPU.

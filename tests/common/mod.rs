@@ -39,7 +39,8 @@ pub fn shared(path: &str) -> Option<PathBuf> {
 }
 
 /// Says that the test on this thread is skipped, in the line that `tests/run.sh` counts.
-fn skip(reason: &str) {
+#[allow(dead_code, reason = "each test binary compiles this file, and not all skip by themselves")]
+pub fn skip(reason: &str) {
     let thread = std::thread::current();
     let line = format!("SKIPPED {}: {reason}\n", thread.name().unwrap_or("a test"));
     // Straight to stderr, in one piece: the harness would swallow `eprintln!`, and other tests cut into it.
