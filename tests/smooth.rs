@@ -8,9 +8,12 @@ use quadmosaic::gpu::{Gpu, GpuBackend};
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Surface};
 
+/// So many that two levels are finer than the one that the smoothing sets out from.
+const TRIANGLES: usize = 70_000;
+
 /// The crosses of an example on both backends.
 fn both(gpu: &Gpu, name: &str, guides: &[Guide]) -> [Vec<Complex>; 2] {
-    let soup = name.parse::<Example>().unwrap().generate(6000);
+    let soup = name.parse::<Example>().unwrap().generate(TRIANGLES);
     let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap();
     let backend = GpuBackend::new(gpu).unwrap();
     let backends: [&dyn Backend; 2] = [&Cpu, &backend];

@@ -18,12 +18,13 @@
 mod guide_file;
 mod guides;
 mod hierarchy;
+mod outset;
 mod sectors;
 pub mod smooth;
 
 pub use guide_file::{GuideFault, GuideFileError, read_guides};
 pub use guides::Guide;
-pub use hierarchy::{Hierarchy, Level};
+pub use hierarchy::{Hierarchy, Level, Link, Row};
 pub use sectors::Sectors;
 
 use crate::compute::{Backend, ComputeError};

@@ -145,6 +145,12 @@ impl Sectors {
         self.begin[c] + share * (self.end[c] - self.begin[c])
     }
 
+    /// The cotangent of a corner's unscaled angle.
+    pub(crate) fn cotangent(&self, _surface: &Surface, corner: u32) -> f64 {
+        let (s, c) = self.corner_angle[corner as usize].sin_cos();
+        c / s.max(1e-9)
+    }
+
     /// The angle that reads a cross at the far end of a half-edge in the frame of the sector it leaves: add it.
     pub(crate) fn transport(&self, half_edge: u32) -> f64 {
         self.begin[half_edge as usize] - self.end[next(half_edge) as usize]
