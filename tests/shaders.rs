@@ -7,10 +7,10 @@ use std::path::Path;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, TypeInner};
-use quadmosaic::gpu::grid::GridSettings;
-use quadmosaic::gpu::relax::Triangle;
 use quadmosaic::field::{Link, Row};
 use quadmosaic::gpu::conjugate::Sum;
+use quadmosaic::gpu::grid::GridSettings;
+use quadmosaic::gpu::relax::Triangle;
 use quadmosaic::gpu::smooth::{Sweep, Transfer};
 use quadmosaic::gpu::{Access, GpuError, Program, WORKGROUP};
 use quadmosaic::mosaic::Tile;

@@ -23,10 +23,12 @@ const COARSEST: usize = 32;
 const LEAST_WEIGHT: f64 = 0.02;
 /// An aggregate's members beside its first.
 const MEMBERS: usize = 3;
-/// What coarse links are multiplied by. Aggregates of four are two wide: a half is exact for the smoothest fields, and
-/// as far as a correction may go without making rough ones worse.
+/// What coarse links are multiplied by. Aggregates of four are two wide, and a half would be exact for the smoothest
+/// fields; but near constraints it corrects too much. From 0.5 to 0.7 conjugate gradients need about as many descents, at
+/// 1 half as many again.
 const STIFFNESS: f32 = 0.65;
-/// The time of the diffusion that fills what constraints do not reach, in areas of the surface.
+/// The time in which an anchor draws a cross to itself, in areas of the surface: so long that constraints decide, and
+/// short enough that without any the equations have one answer.
 const DIFFUSION: f64 = 10.0;
 /// Rows that one thread builds at a time.
 const BLOCK: usize = 2048;
@@ -138,35 +140,42 @@ impl Hierarchy {
             levels.push(std::mem::replace(&mut level, coarser.0));
             excess = coarser.1;
         }
-        let crosses = outset(&mut levels, start, &bends.unwrap_or_default());
+        let crosses = rayon::scope(|_| outset(&mut levels, start, &bends.unwrap_or_default()));
         Self { levels, start, crosses }
     }
 }
 
-/// The rows and links that `row` makes for each number, in order; it pushes a row's links and returns the row.
-fn gather<T: Send>(count: usize, row: impl Fn(usize, &mut Vec<Link>) -> T + Sync) -> (Vec<T>, Vec<u32>, Vec<Link>) {
-    let blocks: Vec<(Vec<(T, u32)>, Vec<Link>)> = (0..count.div_ceil(BLOCK))
-        .into_par_iter()
-        .map(|block| {
-            let mut links = Vec::with_capacity(8 * BLOCK);
-            let rows = (block * BLOCK..count.min((block + 1) * BLOCK))
-                .map(|i| {
-                    let made = row(i, &mut links);
-                    (made, links.len() as u32)
-                })
-                .collect();
-            (rows, links)
-        })
-        .collect();
-    let mut all = (Vec::with_capacity(count), vec![0], Vec::with_capacity(blocks.iter().map(|b| b.1.len()).sum()));
-    for (rows, links) in blocks {
-        let before = all.2.len() as u32;
-        all.2.extend(links);
-        for (row, end) in rows {
-            all.0.push(row);
-            all.1.push(before + end);
+/// What is known of each row, where its links start and, after the last, end, and all links.
+struct Gathered<T> {
+    rows: Vec<T>,
+    starts: Vec<u32>,
+    links: Vec<Link>,
+}
+
+/// The rows that `row` makes for each number, in order; it pushes a row's links and returns what else is known of it.
+fn gather<T: Send>(count: usize, row: impl Fn(usize, &mut Vec<Link>) -> T + Sync) -> Gathered<T> {
+    let block = |first: usize| {
+        let mut made = Gathered { rows: Vec::with_capacity(BLOCK), starts: Vec::new(), links: Vec::new() };
+        for i in first..count.min(first + BLOCK) {
+            made.starts.push(made.links.len() as u32);
+            made.rows.push(row(i, &mut made.links));
         }
+        made
+    };
+    let blocks: Vec<Gathered<T>> =
+        (0..count.div_ceil(BLOCK)).into_par_iter().map(|number| block(number * BLOCK)).collect();
+    let mut all = Gathered {
+        rows: Vec::with_capacity(count),
+        starts: Vec::with_capacity(count + 1),
+        links: Vec::with_capacity(blocks.iter().map(|block| block.links.len()).sum()),
+    };
+    for block in blocks {
+        let before = all.links.len() as u32;
+        all.rows.extend(block.rows);
+        all.starts.extend(block.starts.iter().map(|start| before + start));
+        all.links.extend(block.links);
     }
+    all.starts.push(all.links.len() as u32);
     all
 }
 
@@ -176,12 +185,12 @@ fn finest(surface: &Surface, sectors: &Sectors, pulls: &[Pull]) -> (Level, Vec<E
     let links_of_edges: Vec<Complex> = (0..3 * surface.triangle_count() as u32)
         .into_par_iter()
         .map(|h| {
-            let weight = (sectors.cotangent(surface, previous(h)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT);
+            let weight = (sectors.cotangent(previous(h)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT);
             let (s, c) = (4.0 * sectors.transport(h)).sin_cos();
             [(weight * c) as f32, (weight * s) as f32]
         })
         .collect();
-    let (excess, starts, links) = gather(sectors.count(), |i, links| {
+    let Gathered { rows: excess, starts, links } = gather(sectors.count(), |i, links| {
         let first = sectors.first_corner[i];
         let mut around = 0.0;
         let mut bend = [0.0f64; 2];
@@ -323,7 +332,7 @@ impl Level {
     }
 
     fn coarsened(&self, excess: &[Excess]) -> (Self, Vec<Excess>) {
-        let (rows, starts, links) = gather(self.families.len() - 1, |a, links| {
+        let Gathered { rows, starts, links } = gather(self.families.len() - 1, |a, links| {
             let own = links.len();
             let mut total = Excess { fixed: true, ..Excess::default() };
             let mut pull = [0.0, 0.0];
@@ -355,11 +364,8 @@ impl Level {
             total.curvature += (moduli - links[own..].iter().map(|link| modulus(link.weight)).sum::<f32>()).max(0.0);
             if total.fixed {
                 let length = modulus(pull);
-                pull = if length > 1e-6 {
-                    pull.map(|x| x / length)
-                } else {
-                    self.pulls[self.members_of(a)[0] as usize]
-                };
+                pull =
+                    if length > 1e-6 { pull.map(|x| x / length) } else { self.pulls[self.members_of(a)[0] as usize] };
             }
             (total, pull)
         });
@@ -386,4 +392,170 @@ fn conjugate(z: Complex) -> Complex {
 
 fn multiply(a: Complex, b: Complex) -> Complex {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::guides;
+    use crate::field::smooth::{Steps, Work};
+    use crate::surface::FeatureOptions;
+    use crate::surface::examples::Example;
+
+    fn hierarchy_of(surface: &Surface) -> (Sectors, Hierarchy) {
+        let sectors = Sectors::new(surface);
+        let pulls = guides::pulls(surface, &sectors, &[]);
+        let hierarchy = Hierarchy::new(surface, &sectors, &pulls);
+        (sectors, hierarchy)
+    }
+
+    fn hierarchy(name: &str, triangles: usize) -> Hierarchy {
+        let soup = name.parse::<Example>().expect("an example's name").generate(triangles);
+        let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        hierarchy_of(&surface).1
+    }
+
+    /// What is wrong with a level on its own.
+    fn faults(level: &Level) -> Vec<String> {
+        let mut faults = Vec::new();
+        let end = level.rows.last().map_or(0, |row| row.start as usize);
+        if level.rows.len() != level.len() + 1 || end != level.links.len() {
+            faults.push("rows do not cover the links".to_owned());
+        }
+        for i in 0..level.len() {
+            let links = level.links_of(i);
+            let moduli: f32 = links.iter().map(|link| modulus(link.weight)).sum();
+            let (diagonal, pull) = (level.rows[i].diagonal, modulus(level.pulls[i]));
+            if level.is_fixed(i) {
+                if (pull - 1.0).abs() > 1e-6 {
+                    faults.push(format!("unknown {i} is fixed to {pull}"));
+                }
+            } else if moduli + pull > diagonal * (1.0 + 1e-6) {
+                // A dozen roundings.
+                faults.push(format!("row {i} sums to {}, its diagonal is {diagonal}", moduli + pull));
+            }
+            for link in links {
+                let j = link.neighbour as usize;
+                let back = level.links_of(j).iter().filter(|back| back.neighbour == i as u32);
+                let off = |z: Complex| modulus(sum(conjugate(z), link.weight.map(|x| -x)));
+                // Both ends add up the same numbers in other orders.
+                if back.map(|back| off(back.weight)).fold(f32::INFINITY, f32::min)
+                    > 1e-5 * modulus(link.weight).max(1.0)
+                {
+                    faults.push(format!("the link from {i} to {j} is another one back"));
+                }
+            }
+        }
+        faults
+    }
+
+    #[test]
+    fn every_level_is_a_mean_and_smaller_than_the_one_before() {
+        for name in Example::NAMES {
+            let hierarchy = hierarchy(name, 4_000);
+            assert!(hierarchy.levels.len() > 2, "{name}");
+            for (depth, level) in hierarchy.levels.iter().enumerate() {
+                assert_eq!(faults(level), Vec::<String>::new(), "{name}, level {depth}");
+            }
+            for pair in hierarchy.levels.windows(2) {
+                let [fine, coarse] = pair else { unreachable!("windows of two") };
+                assert!(coarse.len() * 10 < fine.len() * 9, "{name}: {} after {}", coarse.len(), fine.len());
+                assert_eq!(fine.family_count(), coarse.len(), "{name}");
+                assert!(
+                    fine.parents.iter().all(|turn| (modulus(turn.weight) - 1.0).abs() < 1e-5),
+                    "{name}: turns only turn"
+                );
+                let mut seen = vec![false; fine.len()];
+                for family in 0..coarse.len() {
+                    assert!(!fine.members_of(family).is_empty(), "{name}: an unknown without members");
+                    for &member in fine.members_of(family) {
+                        assert_eq!(fine.parents[member as usize].neighbour, family as u32, "{name}");
+                        assert!(!std::mem::replace(&mut seen[member as usize], true), "{name}: a member twice");
+                        assert_eq!(fine.is_fixed(member as usize), coarse.is_fixed(family), "{name}: kinds are mixed");
+                    }
+                }
+                assert!(seen.iter().all(|&seen| seen), "{name}: an unknown without parent");
+            }
+            assert!(hierarchy.levels.last().is_some_and(|last| last.parents.is_empty() && last.family_count() == 0));
+        }
+    }
+
+    #[test]
+    fn a_heavy_row_a_short_fixed_cross_and_a_one_sided_link_are_seen() {
+        let mut level = hierarchy("block", 2_000).levels.swap_remove(0);
+        let free = (0..level.len()).find(|&i| !level.is_fixed(i)).expect("a free unknown");
+        let fixed = (0..level.len()).find(|&i| level.is_fixed(i)).expect("a fixed unknown");
+        level.rows[free].diagonal *= 0.9;
+        assert_eq!(faults(&level).len(), 1);
+        level.pulls[fixed] = level.pulls[fixed].map(|x| x * 0.9);
+        assert_eq!(faults(&level).len(), 2);
+        let link = level.rows[free].start as usize;
+        level.links[link].weight = conjugate(level.links[link].weight).map(|x| x * 1.01);
+        assert!(faults(&level).len() >= 4, "both ends complain");
+    }
+
+    #[test]
+    fn constraints_live_on_every_level() {
+        for level in &hierarchy("block", 4_000).levels {
+            let fixed = (0..level.len()).filter(|&i| level.is_fixed(i)).count();
+            assert!(fixed > 0 && fixed < level.len());
+        }
+        assert!(hierarchy("sphere", 4_000).levels.iter().all(|l| l.pulls.iter().all(|&p| p == [0.0, 0.0])));
+    }
+
+    #[test]
+    fn a_constant_field_on_a_rectangle_solves_every_level() {
+        // Flat, its sides along x and y: all links agree with the cross along x, and so must their sums.
+        let (columns, rows) = (48, 32);
+        let mut soup = crate::surface::Soup::default();
+        for j in 0..=rows {
+            soup.points.extend((0..=columns).map(|i| [f64::from(i), f64::from(j), 0.0]));
+        }
+        for j in 0..rows as u32 {
+            for i in 0..columns as u32 {
+                let a = j * (columns as u32 + 1) + i;
+                let [b, c, d] = [a + 1, a + columns as u32 + 2, a + columns as u32 + 1];
+                soup.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let (sectors, hierarchy) = hierarchy_of(&surface);
+        assert!(hierarchy.levels.len() > 2);
+        let mut values: Vec<Complex> = sectors
+            .first_corner
+            .iter()
+            .map(|&corner| {
+                let way =
+                    surface.points[surface.target(corner) as usize] - surface.points[surface.origin(corner) as usize];
+                let (s, c) = (-4.0 * f64::from(way.y).atan2(f64::from(way.x))).sin_cos();
+                [c as f32, s as f32]
+            })
+            .collect();
+        let far = |a: &[Complex], b: &[Complex]| {
+            a.iter().zip(b).map(|(a, b)| modulus([a[0] - b[0], a[1] - b[1]])).fold(0.0, f32::max)
+        };
+        for (depth, level) in hierarchy.levels.iter().enumerate() {
+            let mut work = Work::new(&hierarchy.levels);
+            let mut swept = |values: &[Complex]| {
+                work.states[depth].crosses = values.to_vec();
+                let Ok(()) = work.flow(depth, 1.0);
+                work.states[depth].crosses.clone()
+            };
+            // Some twenty products of rounded unit numbers a level.
+            assert!(far(&swept(&values), &values) < 1e-5, "level {depth}: {}", far(&swept(&values), &values));
+            let mut other = values.clone();
+            let free = (0..level.len()).find(|&i| !level.is_fixed(i)).expect("a free unknown");
+            other[free] = other[free].map(|x| -x);
+            assert!(far(&swept(&other), &other) > 0.1, "level {depth}: a cross that is not the mean");
+            let mut first = vec![[0.0, 0.0]; level.family_count()];
+            for (parent, &value) in level.parents.iter().zip(&values).rev() {
+                first[parent.neighbour as usize] = multiply(conjugate(parent.weight), value);
+            }
+            for (parent, &value) in level.parents.iter().zip(&values) {
+                let here = multiply(parent.weight, first[parent.neighbour as usize]);
+                assert!(far(&[here], &[value]) < 1e-5, "level {depth}: members differ");
+            }
+            values = first;
+        }
+    }
 }

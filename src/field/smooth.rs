@@ -10,6 +10,23 @@
 //! # Practice
 //! Sums are written term by term, `s + a * b - c * d`: lavapipe (Mesa 22.3.6) takes `s + (a * b - c * d)` apart in just that
 //! way, and would give other bits than Rust. A sum over all unknowns is a tree of blocks.
+//!
+//! The linear problem's energy above its least on an M6 wing of 1,000,000 triangles, in shares of what it begins with; work
+//! on all levels is counted in sweeps of the finest (`energy_against_sweeps_on_a_million_triangles` prints the table):
+//!
+//! | sweeps | with the hierarchy | sweeps alone |
+//! |---|---|---|
+//! | 16 | - | 2e-1 |
+//! | 32 | 1e-4 | 1.4e-1 |
+//! | 64 | 1.2e-6 | 1.0e-1 |
+//! | 128 | 2e-9 | 6.7e-2 |
+//! | 512 | - | 3.1e-2 |
+//! | 2048 | - | 1.3e-2 |
+//!
+//! On two cores the million triangles' field takes 1.1 s: sectors 0.15, hierarchy 0.3, this 0.6.
+//!
+//! Between two sides of a square guided 30 degrees apart the field is within 0.05 degrees of the harmonic one at 64 cells a
+//! side, and 0.3 at 24, where the normalising sweeps show.
 
 use super::{Complex, Hierarchy, Level};
 use rayon::prelude::*;
@@ -21,10 +38,10 @@ pub const STEPS: [f32; 2] = [0.562, 1.389];
 /// Pairs of sweeps in place of a correction on the coarsest level.
 pub const COARSEST_PAIRS: u32 = 8;
 /// Steps of conjugate gradients that a level's equations get.
-pub const DESCENTS: u32 = 8;
-/// Sweeps on the finest level that normalise. They are a heat flow of the angle, and each wears the linear solution by
-/// some 0.2 edge lengths squared of it: just enough of them to round off what the lifting of short crosses left.
-pub const UNIT_SWEEPS: u32 = 6;
+pub const DESCENTS: u32 = 6;
+/// Sweeps on the finest level that normalise: they round off what the lifting of short crosses left. They are a heat flow
+/// of the angle, and many of them would replace the linear solution by the one whose angle is harmonic.
+pub const UNIT_SWEEPS: u32 = 10;
 /// The step of those.
 pub const UNIT_STEP: f32 = 0.75;
 
@@ -77,15 +94,15 @@ pub trait Steps {
 pub fn schedule<S: Steps>(steps: &mut S, start: usize, levels: usize) -> Result<(), S::Error> {
     for depth in (0..start).rev() {
         steps.prolong(depth)?;
-        solve(steps, depth, levels)?;
+        solve(steps, depth, levels, DESCENTS)?;
     }
     (0..UNIT_SWEEPS).try_for_each(|_| steps.flow(0, UNIT_STEP))
 }
 
-/// Solves a level's equations.
-pub(super) fn solve<S: Steps>(steps: &mut S, depth: usize, levels: usize) -> Result<(), S::Error> {
+/// Solves a level's equations by so many descents.
+pub(super) fn solve<S: Steps>(steps: &mut S, depth: usize, levels: usize, descents: u32) -> Result<(), S::Error> {
     steps.begin(depth)?;
-    (0..DESCENTS).try_for_each(|number| {
+    (0..descents).try_for_each(|number| {
         cycle(steps, depth, levels)?;
         steps.descend(depth, number)
     })
@@ -115,7 +132,10 @@ pub fn smooth(hierarchy: &Hierarchy) -> Vec<Complex> {
     if let Some(state) = work.states.get_mut(hierarchy.start) {
         state.crosses.clone_from(&hierarchy.crosses);
     }
-    let Ok(()) = schedule(&mut work, hierarchy.start, hierarchy.levels.len());
+    // On one of rayon's threads: from outside each of the many short loops would wait for one to wake.
+    rayon::scope(|_| {
+        let Ok(()) = schedule(&mut work, hierarchy.start, hierarchy.levels.len());
+    });
     work.states.swap_remove(0).crosses
 }
 
@@ -168,12 +188,17 @@ impl<'a> Work<'a> {
 
 /// Sets each value.
 fn each(values: &mut [Complex], value: impl Fn(usize) -> Complex + Sync) {
-    values.par_iter_mut().with_min_len(GRAIN).enumerate().for_each(|(i, z)| *z = value(i));
+    change(values, |i, _| value(i));
 }
 
 /// Changes each value.
 fn change(values: &mut [Complex], changed: impl Fn(usize, Complex) -> Complex + Sync) {
-    values.par_iter_mut().with_min_len(GRAIN).enumerate().for_each(|(i, z)| *z = changed(i, *z));
+    let change = |(i, z): (usize, &mut Complex)| *z = changed(i, *z);
+    if values.len() <= GRAIN {
+        values.iter_mut().enumerate().for_each(change);
+    } else {
+        values.par_iter_mut().with_min_len(GRAIN).enumerate().for_each(change);
+    }
 }
 
 impl Steps for Work<'_> {
@@ -182,7 +207,10 @@ impl Steps for Work<'_> {
     fn prolong(&mut self, depth: usize) -> Result<(), Infallible> {
         let level = &self.levels[depth];
         let (state, coarser) = self.two(depth);
-        change(&mut state.crosses, |i, z| if level.is_fixed(i) { z } else { carried([0.0, 0.0], level, &coarser.crosses, i) });
+        change(
+            &mut state.crosses,
+            |i, z| if level.is_fixed(i) { z } else { carried([0.0, 0.0], level, &coarser.crosses, i) },
+        );
         Ok(())
     }
 
@@ -217,7 +245,10 @@ impl Steps for Work<'_> {
     fn correct(&mut self, depth: usize) -> Result<(), Infallible> {
         let level = &self.levels[depth];
         let (state, coarser) = self.two(depth);
-        change(&mut state.correction, |i, y| if level.is_fixed(i) { y } else { carried(y, level, &coarser.correction, i) });
+        change(
+            &mut state.correction,
+            |i, y| if level.is_fixed(i) { y } else { carried(y, level, &coarser.correction, i) },
+        );
         Ok(())
     }
 
@@ -296,7 +327,7 @@ pub(super) fn lifted(z: Complex) -> Complex {
     if length > LEAST_LENGTH && length < HEARD { [z[0] / length * HEARD, z[1] / length * HEARD] } else { z }
 }
 
-fn normalised(z: Complex) -> Complex {
+pub(super) fn normalised(z: Complex) -> Complex {
     let length = length(z);
     if length > LEAST_LENGTH { [z[0] / length, z[1] / length] } else { z }
 }
@@ -330,8 +361,11 @@ fn product(a: &[Complex], b: &[Complex]) -> f32 {
         }
         tree(terms)
     };
-    let blocks = a.par_chunks(BLOCK).zip(b.par_chunks(BLOCK)).with_min_len(GRAIN / BLOCK);
-    let mut sums: Vec<f32> = blocks.map(terms).collect();
+    let mut sums: Vec<f32> = if a.len() <= GRAIN {
+        a.chunks(BLOCK).zip(b.chunks(BLOCK)).map(terms).collect()
+    } else {
+        a.par_chunks(BLOCK).zip(b.par_chunks(BLOCK)).with_min_len(GRAIN / BLOCK).map(terms).collect()
+    };
     while sums.len() > 1 {
         sums = sums
             .chunks(BLOCK)
@@ -359,4 +393,4 @@ fn tree(mut terms: [f32; BLOCK]) -> f32 {
 }
 
 #[cfg(test)]
-mod lab;
+mod tests;

@@ -71,8 +71,9 @@ impl SmoothKernels {
 
     /// The crosses of the finest level; everything goes to the device in one submission.
     pub(super) fn smooth(&self, gpu: &Gpu, hierarchy: &Hierarchy) -> Result<Vec<Complex>, GpuError> {
-        let levels: Vec<LevelBuffers> =
-            (0..hierarchy.levels.len()).map(|depth| LevelBuffers::new(gpu, hierarchy, depth)).collect::<Result<_, _>>()?;
+        let levels: Vec<LevelBuffers> = (0..hierarchy.levels.len())
+            .map(|depth| LevelBuffers::new(gpu, hierarchy, depth))
+            .collect::<Result<_, _>>()?;
         let place = vec![Place::default(); levels.len()];
         let mut run = Run { gpu, kernels: self, recording: gpu.record(), levels: &levels, place };
         schedule(&mut run, hierarchy.start, levels.len())?;
@@ -120,7 +121,8 @@ impl LevelBuffers {
             parents: gpu.upload("the field's coarser level", &level.parents)?,
             families: gpu.upload("the field's families", &level.families)?,
             members: gpu.upload("the field's families' members", &level.members)?,
-            transfer: gpu.uniform("two levels' sizes", Transfer { fine: count as u32, coarse: level.family_count() as u32 })?,
+            transfer: gpu
+                .uniform("two levels' sizes", Transfer { fine: count as u32, coarse: level.family_count() as u32 })?,
             sweeps: STEPS.into_iter().chain([UNIT_STEP]).map(sweep).collect::<Result<_, GpuError>>()?,
             crosses: [gpu.upload("the crosses", crosses)?, zeros()?],
             correction: [zeros()?, zeros()?],
