@@ -10,6 +10,7 @@ use crate::field::{Field, Guide};
 use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
 use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::fill::{Holes, fill};
+use crate::mesh::join::{Joined, join};
 use crate::mesh::smooth::smooth;
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Mesh, Triangulation};
@@ -124,6 +125,8 @@ pub struct Outcome {
     pub before: Mesh,
     /// The mesh, in model units.
     pub mesh: Mesh,
+    /// Whether sheets of the surface meet at each of its vertices.
+    pub branches: Vec<bool>,
     /// Holes of the connected mosaic, before they were filled.
     pub holes: usize,
     /// What the clean-up did.
@@ -175,12 +178,15 @@ pub fn run(
     };
 
     clock.begin(Stage::Smooth);
-    let below = triangulation.free_triangles(counts.as_ref().map(|counts| counts.kept.as_slice()));
+    let kept = counts.as_ref().map(|counts| counts.kept.as_slice());
+    let below = triangulation.free_triangles(kept);
     let smoothed = smooth(&surface, &cleaned, &below, options.smoothing);
+    let before = join(&filled, &triangulation.joints(None)).mesh;
+    let Joined { mesh, branches } = join(&smoothed, &triangulation.joints(kept));
 
     let times = clock.finish();
-    let [before, mesh] = [filled, smoothed].map(|mesh| mesh.placed(surface.frame()));
-    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, holes, cleaned: counts, times })
+    let [before, mesh] = [before, mesh].map(|mesh| mesh.placed(surface.frame()));
+    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned: counts, times })
 }
 
 fn lay(

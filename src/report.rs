@@ -1,7 +1,7 @@
 //! What there is to say about a finished mesh, for a program to read; the command line prints the same for a person.
 
 use crate::compute::Backend;
-use crate::mesh::check::{Faults, check};
+use crate::mesh::check::{Faults, check_joined};
 use crate::mesh::clean::CleanCounts;
 use crate::mesh::quality::Quality;
 use crate::pipeline::{Fineness, Options, Outcome};
@@ -129,7 +129,7 @@ impl Report {
             before: Quality::of(&outcome.before),
             mesh: Quality::of(&outcome.mesh),
             cleaned: outcome.cleaned.clone(),
-            faults: check(&outcome.mesh),
+            faults: check_joined(&outcome.mesh, &outcome.branches),
             total_milliseconds: total(&times),
             times,
         }

@@ -70,13 +70,17 @@ fn lines(entries: &[(&str, String)]) -> String {
 
 fn repairs(repairs: &Repairs) -> String {
     let said: Vec<_> = [
-        (repairs.welded_points, "point", "welded"),
-        (repairs.degenerate_triangles, "triangle", "without area dropped"),
-        (repairs.duplicate_triangles, "repeated triangle", "dropped"),
-        (repairs.flipped_triangles, "triangle", "turned over"),
-        (repairs.split_vertices, "vertex", "split"),
+        (&repairs.welded_points, "point", "welded"),
+        (&repairs.degenerate_triangles, "triangle", "without area dropped"),
+        (&repairs.duplicate_triangles, "repeated triangle", "dropped"),
+        (&repairs.dropped_specks, "part", "too small to have a shape dropped"),
+        (&repairs.flipped_triangles, "triangle", "turned over"),
+        (&repairs.flipped_caps, "triangle", "without height flipped"),
+        (&repairs.joined_edges, "edge", "of more than two triangles kept"),
+        (&repairs.joined_vertices, "vertex", "added where sheets meet"),
     ]
     .into_iter()
+    .map(|(repair, what, done)| (repair.count, what, done))
     .filter(|(count, ..)| *count > 0)
     .map(|(count, what, done)| format!("{} {done}", counted(count, what)))
     .collect();

@@ -7,6 +7,7 @@ pub mod connect;
 mod edit;
 pub mod fill;
 mod intrinsic;
+pub mod join;
 pub mod quality;
 mod read;
 pub mod smooth;

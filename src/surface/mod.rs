@@ -6,20 +6,24 @@
 //! meshes as its recentred, unit-sized copy does.
 
 mod adjacency;
+mod caps;
 pub mod examples;
 mod features;
 pub mod load;
 mod polygon;
+mod repairs;
 mod walk;
 mod weld;
 
 pub use features::{Curve, FeatureOptions, Features};
+pub use repairs::{Repair, Repairs};
 pub(crate) use walk::{WALK_EDGES, next_corner, previous_corner, walk};
-pub use weld::Repairs;
 
 use crate::geometry::{cross, dot, unit};
+use adjacency::Adjacency;
 use glam::{DVec3, Vec3};
 use thiserror::Error;
+use weld::Welded;
 
 /// No half-edge, triangle or vertex.
 pub const NONE: u32 = u32::MAX;
@@ -59,23 +63,16 @@ impl Frame {
 #[non_exhaustive]
 pub enum SurfaceError {
     /// There is nothing to mesh.
-    #[error("the surface has no triangle of non-zero area ({given} given); check that the file holds faces")]
-    Empty {
+    #[error("the surface has no triangles; check that the file holds faces")]
+    Empty,
+    /// Nothing is left of the triangles at the precision that is computed with.
+    #[error(
+        "none of the {given} triangles has any area: all are narrower than a ten-millionth of the model's size; \
+         check the units of each axis"
+    )]
+    NoArea {
         /// Triangles that were given.
         given: usize,
-    },
-    /// An edge has more than two triangles.
-    #[error(
-        "{count} edges have more than two triangles, the first between {from:?} and {to:?}; \
-         remove inner walls or split the model into manifold parts"
-    )]
-    NonManifoldEdge {
-        /// How many such edges there are.
-        count: usize,
-        /// One end of the first, in model units.
-        from: [f64; 3],
-        /// Its other end.
-        to: [f64; 3],
     },
     /// The triangles of one component cannot be oriented alike.
     #[error("the surface is not orientable: a one-sided strip passes triangle {triangle} at {at:?}; cut it open there")]
@@ -103,7 +100,7 @@ pub enum SurfaceError {
     },
 }
 
-/// A welded, consistently oriented, manifold triangle surface with adjacency and features, in unit-sized coordinates.
+/// A welded, consistently oriented triangle surface, each sheet of it a manifold, with adjacency and features, in unit-sized coordinates.
 ///
 /// Half-edge `3 t + k` runs from corner `k` of triangle `t` to corner `k + 1`.
 #[derive(Clone, Debug)]
@@ -112,6 +109,10 @@ pub struct Surface {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// The opposite half-edge of each half-edge; [`NONE`] on the boundary.
     pub(crate) twins: Vec<u32>,
+    /// The half-edges along which sheets or solids meet, sorted.
+    seams: Vec<u32>,
+    /// The first of the vertices at the place of each vertex: there are several where sheets meet or fans touch.
+    same_place: Vec<u32>,
     features: Features,
     frame: Frame,
     repairs: Repairs,
@@ -121,12 +122,14 @@ impl Surface {
     /// Welds, cleans and orients the soup and finds its features.
     ///
     /// # Errors
-    /// Where nothing is left to mesh, or where the triangles are not an orientable manifold.
+    /// Where nothing is left to mesh, or where triangles cannot be oriented alike.
     pub fn new(soup: &Soup, options: &FeatureOptions) -> Result<Self, SurfaceError> {
-        let (frame, points, mut triangles, mut repairs) = weld::weld(soup)?;
-        let mut positions = points;
-        let twins = adjacency::orient(&mut positions, &mut triangles, &frame, &mut repairs)?;
-        let mut surface = Self { points: positions, triangles, twins, features: Features::default(), frame, repairs };
+        let Welded { frame, mut points, mut triangles, sources: _, mut repairs } = weld::weld(soup)?;
+        let Adjacency { mut twins, seams, same_place } =
+            adjacency::orient(&mut points, &mut triangles, &frame, &mut repairs)?;
+        caps::flip(&points, &mut triangles, &mut twins, &seams, &frame, &mut repairs);
+        let features = Features::default();
+        let mut surface = Self { points, triangles, twins, seams, same_place, features, frame, repairs };
         surface.features = Features::find(&surface, options);
         Ok(surface)
     }
@@ -180,6 +183,11 @@ impl Surface {
     pub(crate) fn normal(&self, triangle: usize) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
         unit(cross(b - a, c - a))
+    }
+
+    /// The first of the vertices at the place of this one: itself, but where sheets meet or fans touch.
+    pub(crate) fn same_place(&self, vertex: u32) -> u32 {
+        self.same_place[vertex as usize]
     }
 
     pub(crate) fn origin(&self, half_edge: u32) -> u32 {
