@@ -153,6 +153,8 @@ pub fn run(
     clock.begin(Stage::Surface);
     let surface = Surface::new(soup, &options.features)?;
     let count = count(&surface, options.fineness)?;
+    let side = mosaic::side_for_count(&surface, count);
+    let surface = surface.fitted(&options.features, side);
 
     clock.begin(Stage::Field);
     let field = Field::new(&surface, &options.guides, backend)?;

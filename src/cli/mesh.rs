@@ -43,6 +43,10 @@ pub struct Arguments {
     /// Dihedral angle in degrees (1 to 180) over which an edge is a crease that the mesh keeps; 180: none is
     #[arg(long, value_name = "ANGLE", default_value_t = 40.0, value_parser = degrees::<180>, help_heading = "Rows")]
     crease: f64,
+    /// Angle in degrees (1 to 180) by which a smooth surface must turn within one tile for the line of sharpest turn to carry
+    /// a row, as on the nose of a wing; 180: none does
+    #[arg(long, value_name = "ANGLE", default_value_t = 60.0, value_parser = degrees::<180>, help_heading = "Rows")]
+    ridge: f64,
     /// A guide: rows run along DX,DY,DZ near the point X,Y,Z, and within the distance R of it. May be given many times
     #[arg(long = "guide", value_name = "X,Y,Z,DX,DY,DZ[,R]", allow_hyphen_values = true, help_heading = "Rows")]
     guides: Vec<Guide>,
@@ -191,7 +195,7 @@ impl Arguments {
         }
         let defaults = Options::new(fineness);
         Ok(Options {
-            features: FeatureOptions { crease: self.crease, ..defaults.features },
+            features: FeatureOptions { crease: self.crease, ridge: self.ridge, ..defaults.features },
             guides,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {

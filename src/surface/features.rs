@@ -10,11 +10,14 @@ pub struct FeatureOptions {
     pub crease: f64,
     /// Turning angle in degrees over which a point of a feature curve is a corner. Default 50.
     pub corner: f64,
+    /// Angle in degrees over which a smooth surface that turns within one tile has a ridge; 180 or more: it has none.
+    /// Default 60.
+    pub ridge: f64,
 }
 
 impl Default for FeatureOptions {
     fn default() -> Self {
-        Self { crease: 40.0, corner: 50.0 }
+        Self { crease: 40.0, corner: 50.0, ridge: 60.0 }
     }
 }
 
@@ -89,7 +92,7 @@ fn mark(surface: &Surface, crease: f64) -> Vec<bool> {
             twin == NONE || (crease < 180.0 && dot(normals[h / 3], normals[twin as usize / 3]) < limit)
         })
         .collect();
-    surface.seams.iter().for_each(|&h| marked[h as usize] = true);
+    surface.named.iter().for_each(|&h| marked[h as usize] = true);
     marked
 }
 
@@ -157,7 +160,7 @@ fn other_end(surface: &Surface, half_edge: u32, vertex: u32) -> u32 {
 }
 
 /// The cosine of the angle by which the curve through edges `a` and `b` turns at `vertex`.
-fn turning_cosine(surface: &Surface, vertex: u32, a: u32, b: u32) -> f64 {
+pub(super) fn turning_cosine(surface: &Surface, vertex: u32, a: u32, b: u32) -> f64 {
     let here = surface.points[vertex as usize].as_dvec3();
     let [p, q] = [a, b].map(|h| surface.points[other_end(surface, h, vertex) as usize].as_dvec3());
     (here - p).normalize_or_zero().dot((q - here).normalize_or_zero())

@@ -7,11 +7,15 @@
 
 mod adjacency;
 mod caps;
+mod curvature;
 pub mod examples;
 mod features;
 pub mod load;
 mod polygon;
 mod repairs;
+mod ridges;
+mod split;
+mod tiny;
 mod walk;
 mod weld;
 
@@ -109,8 +113,8 @@ pub struct Surface {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// The opposite half-edge of each half-edge; [`NONE`] on the boundary.
     pub(crate) twins: Vec<u32>,
-    /// The half-edges along which sheets or solids meet, sorted.
-    seams: Vec<u32>,
+    /// The half-edges that are features whatever their angle, sorted: where sheets or solids meet, ridges.
+    named: Vec<u32>,
     /// The first of the vertices at the place of each vertex: there are several where sheets meet or fans touch.
     same_place: Vec<u32>,
     features: Features,
@@ -129,9 +133,38 @@ impl Surface {
             adjacency::orient(&mut points, &mut triangles, &frame, &mut repairs)?;
         caps::flip(&points, &mut triangles, &mut twins, &seams, &frame, &mut repairs);
         let features = Features::default();
-        let mut surface = Self { points, triangles, twins, seams, same_place, features, frame, repairs };
+        let mut surface = Self { points, triangles, twins, named: seams, same_place, features, frame, repairs };
         surface.features = Features::find(&surface, options);
         Ok(surface)
+    }
+
+    /// The same surface with the features that tiles of side `h`, unit-sized, can show: ridges become edges of it, and
+    /// creases that are too small go.
+    pub fn fitted(mut self, options: &FeatureOptions, h: f32) -> Self {
+        self.features = Features::along(&self, tiny::without_tiny(&self, options.corner, f64::from(h)), options.corner);
+        if options.ridge < 180.0 {
+            let lines = ridges::ridges(&self, f64::from(h), options.ridge);
+            if !lines.is_empty() {
+                self.cut(&lines, options);
+            }
+        }
+        self
+    }
+
+    /// Cuts triangles along lines, which become features.
+    fn cut(&mut self, lines: &[Vec<split::Place>], options: &FeatureOptions) {
+        let split = split::Split::along(self, lines);
+        let parts = |h: &u32| split.parts[*h as usize];
+        let mut marked = vec![false; 3 * split.triangles.len()];
+        let features = (0..split.parts.len() as u32).filter(|&h| self.features.is_feature(h));
+        features.flat_map(|h| parts(&h)).chain(split.on_lines.iter().copied()).for_each(|h| marked[h as usize] = true);
+        let mut named: Vec<u32> = self.named.iter().flat_map(parts).chain(split.on_lines).collect();
+        named.sort_unstable();
+        named.dedup();
+        self.named = named;
+        self.same_place.extend(self.points.len() as u32..split.points.len() as u32);
+        (self.points, self.triangles, self.twins) = (split.points, split.triangles, split.twins);
+        self.features = Features::along(self, marked, options.corner);
     }
 
     /// The map from model units.
@@ -183,6 +216,11 @@ impl Surface {
     pub(crate) fn normal(&self, triangle: usize) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
         unit(cross(b - a, c - a))
+    }
+
+    /// Whether a half-edge is a feature whatever its angle.
+    pub(crate) fn is_named(&self, half_edge: u32) -> bool {
+        self.named.binary_search(&half_edge).is_ok()
     }
 
     /// The first of the vertices at the place of this one: itself, but where sheets meet or fans touch.

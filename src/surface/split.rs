@@ -1,0 +1,160 @@
+//! Makes lines across triangles into edges of the surface, which keeps its shape.
+
+use super::{NONE, Surface, next};
+use glam::{DVec3, Vec3};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// A place on the surface's edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Place {
+    /// A vertex.
+    Vertex(u32),
+    /// The share of the way along a half-edge.
+    Edge(u32, f64),
+}
+
+impl Place {
+    pub fn position(self, surface: &Surface) -> DVec3 {
+        match self {
+            Self::Vertex(v) => surface.points[v as usize].as_dvec3(),
+            Self::Edge(h, share) => {
+                let [a, b] = [surface.origin(h), surface.target(h)].map(|v| surface.points[v as usize].as_dvec3());
+                a + (b - a) * share
+            }
+        }
+    }
+}
+
+/// The triangles of a surface, cut along lines.
+pub(super) struct Split {
+    pub points: Vec<Vec3>,
+    pub triangles: Vec<[u32; 3]>,
+    pub twins: Vec<u32>,
+    /// The triangle that each one is a part of.
+    pub sources: Vec<u32>,
+    /// The two parts of each half-edge of before, the first twice where it is whole.
+    pub parts: Vec<[u32; 2]>,
+    /// The half-edges on the lines.
+    pub on_lines: Vec<u32>,
+}
+
+impl Split {
+    /// Cuts the triangles along lines whose neighbouring places lie on one triangle; an edge is cut at one place at most.
+    pub fn along(surface: &Surface, lines: &[Vec<Place>]) -> Self {
+        let mut split = Self {
+            points: surface.points.clone(),
+            triangles: Vec::with_capacity(surface.triangle_count()),
+            twins: Vec::new(),
+            sources: Vec::new(),
+            parts: vec![[NONE; 2]; 3 * surface.triangle_count()],
+            on_lines: Vec::new(),
+        };
+        let mut cuts: FxHashMap<u32, u32> = FxHashMap::default();
+        let mut segments: FxHashSet<[u32; 2]> = FxHashSet::default();
+        for line in lines {
+            let vertices: Vec<u32> = line.iter().map(|&place| split.vertex(surface, &mut cuts, place)).collect();
+            segments.extend(vertices.windows(2).map(|pair| [pair[0].min(pair[1]), pair[0].max(pair[1])]));
+        }
+        for t in 0..surface.triangle_count() as u32 {
+            split.cut(surface, t, &cuts);
+        }
+        split.join_up(surface);
+        split.on_lines = (0..3 * split.triangles.len() as u32)
+            .filter(|&h| {
+                let [a, b] = [h, next(h)].map(|h| split.triangles[h as usize / 3][h as usize % 3]);
+                segments.contains(&[a.min(b), a.max(b)])
+            })
+            .collect();
+        split
+    }
+
+    fn vertex(&mut self, surface: &Surface, cuts: &mut FxHashMap<u32, u32>, place: Place) -> u32 {
+        match place {
+            Place::Vertex(v) => v,
+            Place::Edge(h, _) => {
+                let id = *cuts.entry(h).or_insert_with(|| {
+                    self.points.push(place.position(surface).as_vec3());
+                    self.points.len() as u32 - 1
+                });
+                if let Some(twin) = surface.twin(h) {
+                    cuts.insert(twin, id);
+                }
+                id
+            }
+        }
+    }
+
+    /// Adds the parts of one triangle.
+    fn cut(&mut self, surface: &Surface, triangle: u32, cuts: &FxHashMap<u32, u32>) {
+        let middle = [0, 1, 2].map(|k| cuts.get(&(3 * triangle + k)).copied());
+        let corner = surface.triangles[triangle as usize];
+        let first = self.triangles.len() as u32;
+        // Turned so that cut sides come first and follow each other.
+        let turn = match middle.map(|m| m.is_some()) {
+            [false, true, _] => 1,
+            [_, false, true] => 2,
+            _ => 0,
+        };
+        let [a, b, c] = [0, 1, 2].map(|k| corner[(k + turn) % 3]);
+        let sides = [0, 1, 2].map(|k| 3 * triangle + ((k + turn) % 3) as u32);
+        let [ab, bc, ca] = [0, 1, 2].map(|k| middle[(k + turn) % 3]);
+        // Each part: its corners, and which of the triangle's sides, and which half of that, each of its edges is.
+        let (parts, halves): (Vec<[u32; 3]>, Vec<(usize, usize, u32)>) = match (ab, bc, ca) {
+            (None, ..) => (vec![[a, b, c]], vec![(0, 0, 0), (0, 1, 0), (1, 0, 1), (1, 1, 1), (2, 0, 2), (2, 1, 2)]),
+            (Some(m), None, _) => {
+                (vec![[a, m, c], [m, b, c]], vec![(0, 0, 0), (0, 1, 3), (1, 0, 4), (1, 1, 4), (2, 0, 2), (2, 1, 2)])
+            }
+            (Some(m), Some(n), None) => {
+                let far = |v: u32, w: u32| self.points[v as usize].distance_squared(self.points[w as usize]);
+                if far(a, n) <= far(m, c) {
+                    (
+                        vec![[m, b, n], [a, m, n], [a, n, c]],
+                        vec![(0, 0, 3), (0, 1, 0), (1, 0, 1), (1, 1, 7), (2, 0, 8), (2, 1, 8)],
+                    )
+                } else {
+                    (
+                        vec![[m, b, n], [m, n, c], [a, m, c]],
+                        vec![(0, 0, 6), (0, 1, 0), (1, 0, 1), (1, 1, 4), (2, 0, 8), (2, 1, 8)],
+                    )
+                }
+            }
+            (Some(m), Some(n), Some(o)) => (
+                vec![[a, m, o], [m, b, n], [o, n, c], [m, n, o]],
+                vec![(0, 0, 0), (0, 1, 3), (1, 0, 4), (1, 1, 7), (2, 0, 8), (2, 1, 2)],
+            ),
+        };
+        for (side, half, place) in halves {
+            self.parts[sides[side] as usize][half] = 3 * first + place;
+        }
+        self.sources.extend(std::iter::repeat_n(triangle, parts.len()));
+        self.triangles.extend(parts);
+    }
+
+    /// Finds the opposite of each half-edge.
+    fn join_up(&mut self, surface: &Surface) {
+        self.twins = vec![NONE; 3 * self.triangles.len()];
+        for (h, &[first, second]) in self.parts.iter().enumerate() {
+            if let Some(twin) = surface.twin(h as u32) {
+                let [theirs, last] = self.parts[twin as usize];
+                self.twins[first as usize] = last;
+                self.twins[second as usize] = theirs;
+            }
+        }
+        // Inside a triangle the parts are few.
+        let mut begun = 0;
+        for run in self.sources.chunk_by(|a, b| a == b) {
+            let edges = 3 * begun as u32..3 * (begun + run.len()) as u32;
+            begun += run.len();
+            let ends = |h: u32| [h, next(h)].map(|h| self.triangles[h as usize / 3][h as usize % 3]);
+            let pairs: Vec<[u32; 2]> = edges
+                .clone()
+                .flat_map(|h| edges.clone().map(move |g| [h, g]))
+                .filter(|&[h, g]| run.len() > 1 && h < g && ends(h) == [ends(g)[1], ends(g)[0]])
+                .collect();
+            for [h, g] in pairs {
+                self.twins[h as usize] = g;
+                self.twins[g as usize] = h;
+            }
+        }
+    }
+}
