@@ -7,6 +7,7 @@
 
 mod adjacency;
 mod caps;
+pub(crate) mod curvature;
 pub mod examples;
 mod features;
 pub mod load;
