@@ -70,7 +70,7 @@ pub(crate) fn curvatures(surface: &Surface, radius: f64) -> Vec<Curvature> {
             *total += weight;
         }
     }
-    let normals = measure.vertex_normals();
+    let normals = vertex_normals(surface);
     tensors.par_iter().zip(&normals).map(|(&(sum, total), &normal)| Curvature::new(normal, sum / total)).collect()
 }
 
@@ -167,14 +167,16 @@ impl<'a> Measure<'a> {
         let shares = flood.near.iter().map(|&(vertex, distance)| (vertex, 1.0 - distance / reach)).collect();
         Bend { tensor: if area > 0.0 { tensor / area } else { DMat3::ZERO }, shares }
     }
+}
 
-    fn vertex_normals(&self) -> Vec<DVec3> {
-        let mut sums = vec![DVec3::ZERO; self.surface.vertex_count()];
-        for (t, corners) in self.surface.triangles.iter().enumerate() {
-            corners.iter().for_each(|&v| sums[v as usize] += self.normals[t] * self.areas[t]);
-        }
-        sums.iter().map(|sum| sum.normalize_or_zero()).collect()
+/// The mean normal of the triangles at each vertex, weighted by their areas: a unit vector, zero where they cancel.
+pub(crate) fn vertex_normals(surface: &Surface) -> Vec<DVec3> {
+    let mut sums = vec![DVec3::ZERO; surface.vertex_count()];
+    for (t, corners) in surface.triangles.iter().enumerate() {
+        let [a, b, c] = surface.corners(t).map(|p| p.as_dvec3());
+        corners.iter().for_each(|&v| sums[v as usize] += (b - a).cross(c - a));
     }
+    sums.iter().map(|sum| sum.normalize_or_zero()).collect()
 }
 
 /// The angle by which the normal turns across a half-edge, outward positive.

@@ -11,6 +11,7 @@ pub(crate) mod curvature;
 pub mod examples;
 mod features;
 pub mod load;
+pub(crate) mod nearest;
 mod polygon;
 mod repairs;
 mod walk;
