@@ -6,7 +6,7 @@
 //! into quads.
 
 use crate::compute::{Backend, ComputeError};
-use crate::field::{Field, Guide};
+use crate::field::{Align, Field, FieldOptions};
 use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
 use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::fill::{Holes, fill};
@@ -35,8 +35,8 @@ pub struct Options {
     pub fineness: Fineness,
     /// What counts as a feature.
     pub features: FeatureOptions,
-    /// Control vectors for the field.
-    pub guides: Vec<Guide>,
+    /// What draws the field beside features.
+    pub field: FieldOptions,
     /// When two tiles are connected.
     pub connect: ConnectOptions,
     /// What to do with holes.
@@ -53,7 +53,7 @@ impl Options {
         Self {
             fineness,
             features: FeatureOptions::default(),
-            guides: Vec::new(),
+            field: FieldOptions::default(),
             connect: ConnectOptions::default(),
             holes: Holes::default(),
             cleanup: Some(CleanOptions::default()),
@@ -157,7 +157,9 @@ pub fn run(
     let surface = surface.fitted(&options.features, side);
 
     clock.begin(Stage::Field);
-    let field = Field::new(&surface, &options.guides, backend)?;
+    let side = surface.frame().diagonal * f64::from(mosaic::side_for_count(&surface, count));
+    let align = options.field.align.map(|align| Align { side: align.side.or(Some(side)), ..align });
+    let field = Field::new(&surface, &FieldOptions { align, ..options.field.clone() }, backend)?;
 
     clock.begin(Stage::Mosaic);
     let mosaic = lay(&surface, &field, backend, count, &|share| progress(Stage::Mosaic, share))?;

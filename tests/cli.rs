@@ -202,7 +202,7 @@ fn bad_guides_are_refused_with_their_line() {
     desk.put("short.csv", "0,0,0,1,0,0\n0,0,0,1,0\n");
     desk.put("none.csv", "# x, y, z\n");
     for (name, message) in [
-        ("short.csv", "short.csv, line 2: a guide has 6 or 7 numbers"),
+        ("short.csv", "short.csv, line 2: a guide has 6 to 8 numbers"),
         ("none.csv", "none.csv holds no guide"),
         ("missing.csv", "missing.csv cannot be read"),
     ] {
@@ -264,7 +264,7 @@ fn wrong_usage_is_told_from_failure() {
         (&["--max-angle", "60"], "the angle is a number from 1 to 45"),
         (&["--max-distance", "0.5"], "the distance is a number from 1 to 10"),
         (&["--smoothing", "100000"], "write a whole number from 0 to 1000"),
-        (&["--guide", "0,0,0,1,0"], "a guide has 6 or 7 numbers"),
+        (&["--guide", "0,0,0,1,0"], "a guide has 6 to 8 numbers"),
         (&["--guide", "0,0,0,0,0,0"], "the direction (dx, dy, dz) is zero"),
         (&["--holes", "some"], "patterns, triangles, leave"),
     ] {

@@ -5,13 +5,13 @@ mod common;
 use common::surfaces::{EXAMPLES, example, flat, surface, unit_corners};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
-use quadmosaic::field::{Complex, Field, Guide};
+use quadmosaic::field::{Complex, Field, FieldOptions, Guide};
 use quadmosaic::mosaic::sow;
 use quadmosaic::surface::{FeatureOptions, Soup, Surface};
 use std::f64::consts::FRAC_PI_2;
 
 fn field(surface: &Surface, guides: &[Guide]) -> Field {
-    Field::new(surface, guides, &Cpu).expect("the CPU does not fail")
+    Field::new(surface, &FieldOptions::guided(guides), &Cpu).expect("the CPU does not fail")
 }
 
 /// The angle of a cross from its representation number, in -pi/4..=pi/4.
@@ -40,13 +40,13 @@ fn on_a_rectangle_the_field_is_constant() {
         let mut soup = flat(30, 20, 0.1);
         soup.points.iter_mut().for_each(|p| *p = [c * p[0] - s * p[1], s * p[0] + c * p[1], 0.0]);
         let plate = surface(&soup);
-        let guide = Guide { point: soup.points[200], direction: [c, s, 0.0], radius: 0.0 };
+        let guide = Guide::vector(soup.points[200], [c, s, 0.0]);
         for guides in [&[][..], &[guide]] {
             let constant = field(&plate, guides);
             assert!(off(&plate, &constant, turn) < 1e-4, "{turn}: {}", off(&plate, &constant, turn));
         }
         // A guide against the sides bends it.
-        let against = Guide { direction: [(turn + 0.5).cos(), (turn + 0.5).sin(), 0.0], ..guide };
+        let against = Guide::vector(soup.points[200], [(turn + 0.5).cos(), (turn + 0.5).sin(), 0.0]);
         let bent = field(&plate, &[against]);
         assert!(off(&plate, &bent, turn) > 0.3, "the guide is followed at its point");
     }
@@ -56,14 +56,15 @@ fn on_a_rectangle_the_field_is_constant() {
 fn a_guide_is_followed_within_its_radius() {
     let soup = flat(40, 40, 1.0);
     let plate = surface(&soup);
-    let guide = Guide { point: [20.0, 20.0, 0.0], direction: [0.8, 0.6, 0.5], radius: 6.0 };
+    let centre = [20.0, 20.0, 0.0];
+    let guide = Guide::vector(centre, [0.8, 0.6, 0.5]).within(6.0);
     let guided = field(&plate, &[guide]);
     let turn = 0.6f64.atan2(0.8);
     let (mut inside, mut outside) = (0, 0);
     for tile in sow::sow(&plate, &guided, 0.01) {
         let at = DVec3::from(plate.frame().to_model(tile.position.map(f64::from)));
         let off = wrapped(f64::from(tile.axis[1]).atan2(f64::from(tile.axis[0])) - turn).abs();
-        let distance = at.distance(DVec3::from(guide.point));
+        let distance = at.distance(DVec3::from(centre));
         // A triangle reaches 1.5 beyond its corners.
         if distance < 4.5 {
             assert!(off < 1e-4, "{distance} from the guide's point: {off}");
@@ -82,9 +83,8 @@ fn across(columns: usize, degrees: f64) -> Vec<f64> {
     let soup = flat(2 * columns, rows, 1.0);
     let strip = surface(&soup);
     let (s, c) = degrees.to_radians().sin_cos();
-    let guides: Vec<Guide> = (0..=rows)
-        .map(|j| Guide { point: [columns as f64, j as f64, 0.0], direction: [c, s, 0.0], radius: 0.1 })
-        .collect();
+    let guides: Vec<Guide> =
+        (0..=rows).map(|j| Guide::vector([columns as f64, j as f64, 0.0], [c, s, 0.0]).within(0.1)).collect();
     let field = field(&strip, &guides);
     let mut found = vec![f64::NAN; columns + 1];
     for (t, corners) in soup.triangles.iter().enumerate() {
@@ -267,7 +267,7 @@ fn the_field_is_the_same_every_time() {
     let once = crosses(1);
     assert_eq!(once, crosses(1));
     assert_eq!(once, crosses(2));
-    let guide = Guide { point: [0.9, 0.0, 0.5], direction: [1.0, 0.5, 0.0], radius: 0.0 };
+    let guide = Guide::vector([0.9, 0.0, 0.5], [1.0, 0.5, 0.0]);
     assert_ne!(once, field(&block, &[guide]).crosses());
     assert!(once.iter().all(|z| (f64::from(z[0]).hypot(f64::from(z[1])) - 1.0).abs() < 1e-6), "unit numbers");
 }

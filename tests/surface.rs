@@ -5,7 +5,7 @@ mod common;
 use common::surfaces::{EXAMPLES, example, flat, scattered, surface, twisted_strip};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
-use quadmosaic::field::Field;
+use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mosaic::{Tile, seat, sow};
 use quadmosaic::surface::{FeatureOptions, Soup, Surface, SurfaceError};
 
@@ -53,7 +53,7 @@ fn edge_count(soup: &Soup) -> usize {
 
 /// Tiles scattered over the surface: its normals and places, seen from outside the crate.
 fn samples(surface: &Surface) -> Vec<Tile> {
-    let field = Field::new(surface, &[], &Cpu).expect("the CPU does not fail");
+    let field = Field::new(surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
     sow::sow(surface, &field, 0.03)
 }
 
@@ -369,7 +369,7 @@ fn the_frame_maps_there_and_back() {
 fn places(soup: &Soup) -> Vec<DVec3> {
     let surface = Surface::new(soup, &FeatureOptions { crease: 1e-2, corner: 50.0 }).expect("a sphere");
     assert_eq!(surface.features().corners().count(), surface.vertex_count());
-    let field = Field::new(&surface, &[], &Cpu).expect("the CPU does not fail");
+    let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
     let (sites, tiles) = seat::seat(&surface, &field, 1.0);
     assert_eq!(sites.len(), surface.vertex_count(), "no edge is long enough for a tile of its own");
     sites.iter().map(|site| DVec3::from(tiles[site.first_side as usize].position.map(f64::from))).collect()

@@ -1,19 +1,18 @@
 //! `quadmosaic mesh`.
 
-use super::backend::{Choice, Device};
+use super::backend::Machine;
 use super::input::Input;
-use super::output::{expect_writable, obj_path, print};
+use super::output::{expect_writable, obj_path, print, write_json};
+use super::rows::{Rows, warn_of};
 use super::summary;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
-use quadmosaic::export::{atomic, write_obj};
-use quadmosaic::field::{Guide, read_guides};
+use quadmosaic::export::write_obj;
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::fill;
 use quadmosaic::pipeline::{self, Fineness, Options, POINTS, Stage};
 use quadmosaic::report::{Asked, Report};
-use quadmosaic::surface::FeatureOptions;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -40,19 +39,8 @@ pub struct Arguments {
     #[arg(long, value_name = "H", value_parser = positive, help_heading = "Fineness")]
     size: Option<f64>,
 
-    /// Dihedral angle in degrees (1 to 180) over which an edge is a crease that the mesh keeps; 180: none is
-    #[arg(long, value_name = "ANGLE", default_value_t = 40.0, value_parser = degrees::<180>, help_heading = "Rows")]
-    crease: f64,
-    /// Angle in degrees (1 to 180) by which a smooth surface must turn within one tile for the line of sharpest turn to carry
-    /// a row, as on the nose of a wing; 180: none does
-    #[arg(long, value_name = "ANGLE", default_value_t = 60.0, value_parser = degrees::<180>, help_heading = "Rows")]
-    ridge: f64,
-    /// A guide: rows run along DX,DY,DZ near the point X,Y,Z, and within the distance R of it. May be given many times
-    #[arg(long = "guide", value_name = "X,Y,Z,DX,DY,DZ[,R]", allow_hyphen_values = true, help_heading = "Rows")]
-    guides: Vec<Guide>,
-    /// Guides from a file: 6 or 7 numbers a line, apart by commas or blanks; # begins a comment, a header line may be first
-    #[arg(long = "guides", value_name = "FILE", help_heading = "Rows")]
-    guide_files: Vec<PathBuf>,
+    #[command(flatten)]
+    rows: Rows,
 
     /// L: the longest edge, in tile sides (1 to 10)
     #[arg(long, value_name = "L", default_value_t = 1.6, value_parser = distance, help_heading = "Connection")]
@@ -76,15 +64,8 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
     smoothing: usize,
 
-    /// Where the heavy stages run
-    #[arg(long, value_enum, default_value_t, help_heading = "Machine")]
-    backend: Choice,
-    /// The GPU whose name contains this text (see `quadmosaic devices`)
-    #[arg(long, value_name = "NAME", help_heading = "Machine")]
-    adapter: Option<String>,
-    /// Threads on the CPU, up to 1024; 0: as many as there are cores. The mesh is the same for any number
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>, help_heading = "Machine")]
-    threads: usize,
+    #[command(flatten)]
+    machine: Machine,
 
     /// Write what is printed, and more, as JSON
     #[arg(long, value_name = "FILE.json")]
@@ -115,15 +96,12 @@ enum Holes {
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     arguments.expect_writable()?;
     let options = arguments.options()?;
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads)
-        .build_global()
-        .context("the threads cannot be started; ask for fewer with --threads")?;
+    arguments.machine.start_threads()?;
     let name = arguments.input.to_string();
 
     let (soup, reading) = timed(|| arguments.input.read());
     let soup = soup?;
-    let (device, opening) = timed(|| Device::open(arguments.backend, arguments.adapter.as_deref()));
+    let (device, opening) = timed(|| arguments.machine.open());
     let device = device?;
     let (backend, compiling) = timed(|| device.backend());
     let backend = backend?;
@@ -141,14 +119,12 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         &[("measure", measuring), ("write", writing)],
     );
     if let Some(path) = &arguments.report {
-        atomic(path, |writer| {
-            serde_json::to_writer_pretty(&mut *writer, &report)?;
-            writeln!(writer)
-        })?;
+        write_json(path, &report)?;
     }
     if !arguments.quiet {
         print(&summary::of_run(&report))?;
     }
+    warn_of(outcome.field.guides());
     if !report.faults.is_clean() {
         eprintln!("warning: {} has {}", arguments.output.display(), report.faults);
     }
@@ -189,14 +165,10 @@ impl Arguments {
             (_, Some(size)) => Fineness::Size(size),
             (points, None) => Fineness::Points(points.unwrap_or(6000)),
         };
-        let mut guides = self.guides.clone();
-        for file in &self.guide_files {
-            guides.extend(read_guides(file)?);
-        }
         let defaults = Options::new(fineness);
         Ok(Options {
-            features: FeatureOptions { crease: self.crease, ridge: self.ridge, ..defaults.features },
-            guides,
+            features: self.rows.features(),
+            field: self.rows.field()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {
                 Holes::Patterns => fill::Holes::Patterns,
@@ -244,7 +216,7 @@ fn positive(text: &str) -> Result<f64, String> {
     length.ok_or_else(|| "a length is a number above 0, in model units".to_owned())
 }
 
-fn degrees<const MOST: u32>(text: &str) -> Result<f64, String> {
+pub fn degrees<const MOST: u32>(text: &str) -> Result<f64, String> {
     number(text, 1.0..=f64::from(MOST)).ok_or_else(|| format!("the angle is a number from 1 to {MOST}, in degrees"))
 }
 
@@ -252,10 +224,10 @@ fn distance(text: &str) -> Result<f64, String> {
     number(text, 1.0..=10.0).ok_or_else(|| "the distance is a number from 1 to 10, in tile sides".to_owned())
 }
 
-fn up_to<const MOST: usize>(text: &str) -> Result<usize, String> {
+pub fn up_to<const MOST: usize>(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|count| *count <= MOST).ok_or_else(|| format!("write a whole number from 0 to {MOST}"))
 }
 
-fn number(text: &str, range: RangeInclusive<f64>) -> Option<f64> {
+pub fn number(text: &str, range: RangeInclusive<f64>) -> Option<f64> {
     text.parse().ok().filter(|number| range.contains(number))
 }

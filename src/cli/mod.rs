@@ -4,9 +4,11 @@ mod backend;
 mod check;
 mod devices;
 mod example;
+mod field;
 mod input;
 mod mesh;
 mod output;
+mod rows;
 mod summary;
 
 use clap::{Parser, Subcommand};
@@ -29,6 +31,7 @@ Examples:
 #[derive(Subcommand)]
 enum Command {
     Mesh(mesh::Arguments),
+    Field(field::Arguments),
     Example(example::Arguments),
     Check(check::Arguments),
     /// Lists the GPU adapters of this machine, the best first
@@ -42,6 +45,7 @@ enum Command {
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Command::Mesh(arguments) => mesh::run(arguments),
+        Command::Field(arguments) => field::run(arguments),
         Command::Example(arguments) => example::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Devices => devices::run(),

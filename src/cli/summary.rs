@@ -2,7 +2,7 @@
 
 use quadmosaic::mesh::check::Faults;
 use quadmosaic::mesh::quality::{Quality, Spread};
-use quadmosaic::report::{Asked, Report};
+use quadmosaic::report::{Asked, FieldFigures, FieldReport, Input, Report};
 use quadmosaic::surface::Repairs;
 
 /// All of a run.
@@ -12,20 +12,13 @@ pub fn of_run(report: &Report) -> String {
         Asked::Points(count) => format!("{count} asked for"),
         Asked::Size(size) => format!("tiles of side {size} asked for"),
     };
-    let surface = format!(
-        "{}: {}, {}, diagonal {:.4}",
-        input.name,
-        counted(input.triangles, "triangle"),
-        counted(input.vertices, "vertex"),
-        input.diagonal
-    );
-    let features = format!("{}, {}", counted(input.curves, "curve"), counted(input.corners, "corner"));
     let holes = format!("{} in the connected mosaic, {} left", mosaic.holes, mesh.polygons);
     let times: Vec<_> = report.times.iter().map(|time| format!("{} {:.0}", time.stage, time.milliseconds)).collect();
     lines(&[
-        ("surface", surface),
+        ("surface", surface(input)),
         ("repairs", repairs(&input.repairs)),
-        ("features", features),
+        ("features", features(input)),
+        ("field", field(&report.field)),
         ("vertices", format!("{} ({asked})", mesh.vertices)),
         ("faces", faces(mesh)),
         ("Qr", format!("{:.3} ({:.3} before clean-up)", mesh.qr, before.qr)),
@@ -37,6 +30,18 @@ pub fn of_run(report: &Report) -> String {
         ("check", report.faults.to_string().lines().take(1).collect()),
         ("backend", format!("{}, {}", backend.name, backend.adapter)),
         ("time", format!("{:.0} ms: {}", report.total_milliseconds, times.join(", "))),
+    ])
+}
+
+/// A field alone.
+pub fn of_field(report: &FieldReport) -> String {
+    let FieldReport { input, field: figures, backend, .. } = report;
+    lines(&[
+        ("surface", surface(input)),
+        ("repairs", repairs(&input.repairs)),
+        ("features", features(input)),
+        ("field", field(figures)),
+        ("backend", format!("{}, {}", backend.name, backend.adapter)),
     ])
 }
 
@@ -56,16 +61,40 @@ pub fn of_mesh(mesh: &Quality, faults: &Faults) -> String {
 
 /// `1 corner`, `2 corners`, `0 vertices`.
 pub fn counted(count: usize, what: &str) -> String {
-    match (count, what.strip_suffix("ex")) {
-        (1, _) => format!("1 {what}"),
-        (_, Some(stem)) => format!("{count} {stem}ices"),
-        (_, None) => format!("{count} {what}s"),
+    match (count, what.strip_suffix("ex"), what.strip_suffix('y')) {
+        (1, ..) => format!("1 {what}"),
+        (_, Some(stem), _) => format!("{count} {stem}ices"),
+        (_, _, Some(stem)) => format!("{count} {stem}ies"),
+        _ => format!("{count} {what}s"),
     }
 }
 
 fn lines(entries: &[(&str, String)]) -> String {
     let width = entries.iter().map(|(name, _)| name.len()).max().unwrap_or_default();
     entries.iter().map(|(name, text)| format!("{name:width$}  {text}\n")).collect()
+}
+
+fn surface(input: &Input) -> String {
+    let Input { name, triangles, vertices, diagonal, .. } = input;
+    format!("{name}: {}, {}, diagonal {diagonal:.4}", counted(*triangles, "triangle"), counted(*vertices, "vertex"))
+}
+
+fn features(input: &Input) -> String {
+    format!("{}, {}", counted(input.curves, "curve"), counted(input.corners, "corner"))
+}
+
+fn field(figures: &FieldFigures) -> String {
+    let corners = figures.singularities.iter().filter(|singularity| singularity.on_feature).count();
+    let free = counted(figures.singularities.len() - corners, "singularity");
+    let corners = match corners {
+        0 => String::new(),
+        count => format!(" and {} of features", counted(count, "corner")),
+    };
+    let guides = match figures.guides.len() {
+        0 => String::new(),
+        count => format!("; {}", counted(count, "guide")),
+    };
+    format!("{free}{corners}, the sum of indices is {}{guides}", figures.index_sum)
 }
 
 fn repairs(repairs: &Repairs) -> String {

@@ -186,7 +186,7 @@ fn corner_angle(surface: &Surface, corner: u32) -> f64 {
 mod tests {
     use super::*;
     use crate::compute::Cpu;
-    use crate::field::Field;
+    use crate::field::{Field, FieldOptions};
     use crate::surface::FeatureOptions;
     use crate::surface::examples::Example;
 
@@ -278,7 +278,7 @@ mod tests {
     fn singularities_add_up_to_the_euler_characteristic() {
         for (name, characteristic) in EXAMPLES {
             let surface = surface(name);
-            let field = Field::new(&surface, &[], &Cpu).expect("the CPU does not fail");
+            let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
             let sectors = field.sectors();
             let found = quarters(&surface, sectors, field.crosses());
             for (t, q) in found.iter().enumerate() {

@@ -7,10 +7,11 @@
 
 mod adjacency;
 mod caps;
-mod curvature;
+pub(crate) mod curvature;
 pub mod examples;
 mod features;
 pub mod load;
+pub(crate) mod nearest;
 mod polygon;
 mod repairs;
 mod ridges;
