@@ -1,7 +1,7 @@
 //! `quadmosaic mesh`.
 
 use super::backend::{Choice, Device};
-use super::input::Input;
+use super::input::Source;
 use super::output::{expect_writable, obj_path, print};
 use super::summary;
 use anyhow::Context;
@@ -25,10 +25,8 @@ use std::time::{Duration, Instant};
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The surface: a Wavefront OBJ file, or an example: example:NAME or example:NAME:TRIANGLES, NAME one of m6, torus,
-    /// sphere, plate, block
-    #[arg(value_name = "IN")]
-    input: Input,
+    #[command(flatten)]
+    source: Source,
     /// Where the mesh goes; there is either a whole mesh or no file
     #[arg(short, long, value_name = "OUT.obj", value_parser = obj_path)]
     output: PathBuf,
@@ -95,7 +93,7 @@ Examples:
   The ONERA M6 wing with 6000 vertices:
     quadmosaic mesh example:m6 --points 6000 -o m6.obj
   Edges of 20 mm on a model in metres, rows along x near the point 1,0,0.5, figures as JSON:
-    quadmosaic mesh car.obj --size 0.02 --guide 1,0,0.5,1,0,0 --report car.json -o quads.obj";
+    quadmosaic mesh car.stl --size 0.02 --guide 1,0,0.5,1,0,0 --report car.json -o quads.obj";
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum Holes {
@@ -115,9 +113,9 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         .num_threads(arguments.threads)
         .build_global()
         .context("the threads cannot be started; ask for fewer with --threads")?;
-    let name = arguments.input.to_string();
+    let name = arguments.source.to_string();
 
-    let (soup, reading) = timed(|| arguments.input.read());
+    let (soup, reading) = timed(|| arguments.source.read());
     let soup = soup?;
     let (device, opening) = timed(|| Device::open(arguments.backend, arguments.adapter.as_deref()));
     let device = device?;
@@ -172,7 +170,7 @@ fn count_warning(report: &Report) -> Option<String> {
 impl Arguments {
     /// Before long work: that what it makes can be kept.
     fn expect_writable(&self) -> anyhow::Result<()> {
-        let mut taken: Vec<&Path> = self.input.path().into_iter().collect();
+        let mut taken: Vec<&Path> = self.source.path().into_iter().collect();
         for path in [&self.output].into_iter().chain(&self.report) {
             expect_writable(path, &taken)?;
             taken.push(path);

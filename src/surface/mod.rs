@@ -10,10 +10,12 @@ pub mod examples;
 mod features;
 pub mod load;
 mod polygon;
+mod regions;
 mod walk;
 mod weld;
 
 pub use features::{Curve, FeatureOptions, Features};
+pub use regions::Regions;
 pub(crate) use walk::{WALK_EDGES, next_corner, previous_corner, walk};
 pub use weld::Repairs;
 
@@ -31,6 +33,8 @@ pub struct Soup {
     pub points: Vec<[f64; 3]>,
     /// Indices into `points`, three a triangle.
     pub triangles: Vec<[u32; 3]>,
+    /// Which named part each triangle belongs to.
+    pub regions: Regions,
 }
 
 /// The map between model units and the unit-sized coordinates that the mesher computes in.
