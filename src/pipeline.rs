@@ -151,10 +151,7 @@ pub fn run(
     let mut clock = Clock { progress, times: Vec::new(), started: Instant::now() };
 
     clock.begin(Stage::Surface);
-    let surface = Surface::new(soup, &options.features)?;
-    let count = count(&surface, options.fineness)?;
-    let side = mosaic::side_for_count(&surface, count);
-    let surface = surface.fitted(&options.features, side);
+    let (surface, count) = prepare(soup, &options.features, options.fineness)?;
 
     clock.begin(Stage::Field);
     let side = surface.frame().diagonal * f64::from(mosaic::side_for_count(&surface, count));
@@ -191,6 +188,21 @@ pub fn run(
     let times = clock.finish();
     let [before, mesh] = [before, mesh].map(|mesh| mesh.placed(surface.frame()));
     Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned: counts, times })
+}
+
+/// The surface, with the features that tiles so fine can show, and how many vertices are wanted.
+///
+/// # Errors
+/// Where the surface cannot be meshed or the fineness makes no sense.
+pub fn prepare(
+    soup: &Soup,
+    features: &FeatureOptions,
+    fineness: Fineness,
+) -> Result<(Surface, usize), PipelineError> {
+    let surface = Surface::new(soup, features)?;
+    let count = count(&surface, fineness)?;
+    let side = mosaic::side_for_count(&surface, count);
+    Ok((surface.fitted(features, side), count))
 }
 
 fn lay(

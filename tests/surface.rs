@@ -13,7 +13,7 @@ use quadmosaic::surface::{FeatureOptions, Soup, Surface, SurfaceError};
 fn torn(soup: &Soup) -> Soup {
     let points = soup.triangles.iter().flatten().map(|&index| soup.points[index as usize]).collect();
     let triangles = (0..soup.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    Soup { points, triangles }
+    Soup { points, triangles, ..Default::default() }
 }
 
 /// Without creases and corners, features are the boundary's loops.

@@ -1,7 +1,8 @@
 //! `quadmosaic field`.
 
 use super::backend::{Device, Machine};
-use super::input::Input;
+use super::fineness::Wanted;
+use super::input::Source;
 use super::output::{expect_writable, field_path, print, write_json};
 use super::rows::{Rows, warn_of};
 use super::summary;
@@ -9,13 +10,14 @@ use anyhow::Context;
 use clap::Args;
 use quadmosaic::export::{write_field_ply, write_field_vtk};
 use quadmosaic::field::Field;
+use quadmosaic::pipeline::prepare;
 use quadmosaic::report::FieldReport;
-use quadmosaic::surface::Surface;
 use std::path::{Path, PathBuf};
 
 /// Writes the cross field of a surface, for ParaView
 ///
-/// Reads a triangle surface and makes the field that `mesh` would lay its tiles along, with the same options.
+/// Reads a triangle surface and makes the field that `mesh` would lay its tiles along, with the same options. Ridges, and
+/// creases too small for a tile, depend on how fine the mesh is to be.
 ///
 /// VTK: per triangle two directions of its cross (cross_u, cross_v); feature curves as lines and singularities as points, told
 /// apart by `kind` (0 surface, 1 feature, 2 singularity), with the singularities' `index`. PLY: per vertex its normal, two
@@ -23,12 +25,13 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The surface: a file or an example, as for `mesh`
-    #[arg(value_name = "IN")]
-    input: Input,
+    #[command(flatten)]
+    source: Source,
     /// Where the field goes
     #[arg(short, long, value_name = "FIELD.vtk|ply", value_parser = field_path)]
     output: PathBuf,
+    #[command(flatten)]
+    wanted: Wanted,
     #[command(flatten)]
     rows: Rows,
     #[command(flatten)]
@@ -49,16 +52,17 @@ Examples:
 In ParaView: a Glyph of cross_u and one of cross_v (Glyph Mode: Every Nth Point, after Cell Centers) show the crosses.";
 
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
-    let Arguments { input, output, rows, machine, report: report_path, quiet } = arguments;
-    let mut taken: Vec<&Path> = input.path().into_iter().collect();
+    let Arguments { source, output, wanted, rows, machine, report: report_path, quiet } = arguments;
+    let mut taken: Vec<&Path> = source.path().into_iter().collect();
     for path in [&output].into_iter().chain(&report_path) {
         expect_writable(path, &taken)?;
         taken.push(path);
     }
     let options = rows.field()?;
     machine.start_threads()?;
-    let name = input.to_string();
-    let surface = Surface::new(&input.read()?, &rows.features()).context(name.clone())?;
+    let name = source.to_string();
+    let soup = source.read()?;
+    let (surface, _) = prepare(&soup, &rows.features(), wanted.fineness()).context(name.clone())?;
     let device: Device = machine.open()?;
     let backend = device.backend()?;
     let field = Field::new(&surface, &options, &*backend)?;

@@ -1,7 +1,8 @@
 //! `quadmosaic mesh`.
 
 use super::backend::Machine;
-use super::input::Input;
+use super::fineness::Wanted;
+use super::input::Source;
 use super::output::{expect_writable, obj_path, print, write_json};
 use super::rows::{Rows, warn_of};
 use super::summary;
@@ -11,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::export::write_obj;
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::fill;
-use quadmosaic::pipeline::{self, Fineness, Options, POINTS, Stage};
+use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -24,21 +25,14 @@ use std::time::{Duration, Instant};
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The surface: a Wavefront OBJ file, or an example: example:NAME or example:NAME:TRIANGLES, NAME one of m6, torus,
-    /// sphere, plate, block
-    #[arg(value_name = "IN")]
-    input: Input,
+    #[command(flatten)]
+    source: Source,
     /// Where the mesh goes; there is either a whole mesh or no file
     #[arg(short, long, value_name = "OUT.obj", value_parser = obj_path)]
     output: PathBuf,
 
-    /// Number of vertices wanted, 4 to 50000000 [default: 6000]
-    #[arg(long, value_name = "N", value_parser = points, conflicts_with = "size", help_heading = "Fineness")]
-    points: Option<usize>,
-    /// Instead of --points: the edge length wanted, in model units
-    #[arg(long, value_name = "H", value_parser = positive, help_heading = "Fineness")]
-    size: Option<f64>,
-
+    #[command(flatten)]
+    wanted: Wanted,
     #[command(flatten)]
     rows: Rows,
 
@@ -80,7 +74,7 @@ Examples:
   The ONERA M6 wing with 6000 vertices:
     quadmosaic mesh example:m6 --points 6000 -o m6.obj
   Edges of 20 mm on a model in metres, rows along x near the point 1,0,0.5, figures as JSON:
-    quadmosaic mesh car.obj --size 0.02 --guide 1,0,0.5,1,0,0 --report car.json -o quads.obj";
+    quadmosaic mesh car.stl --size 0.02 --guide 1,0,0.5,1,0,0 --report car.json -o quads.obj";
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum Holes {
@@ -97,9 +91,9 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     arguments.expect_writable()?;
     let options = arguments.options()?;
     arguments.machine.start_threads()?;
-    let name = arguments.input.to_string();
+    let name = arguments.source.to_string();
 
-    let (soup, reading) = timed(|| arguments.input.read());
+    let (soup, reading) = timed(|| arguments.source.read());
     let soup = soup?;
     let (device, opening) = timed(|| arguments.machine.open());
     let device = device?;
@@ -152,7 +146,7 @@ fn count_warning(report: &Report) -> Option<String> {
 impl Arguments {
     /// Before long work: that what it makes can be kept.
     fn expect_writable(&self) -> anyhow::Result<()> {
-        let mut taken: Vec<&Path> = self.input.path().into_iter().collect();
+        let mut taken: Vec<&Path> = self.source.path().into_iter().collect();
         for path in [&self.output].into_iter().chain(&self.report) {
             expect_writable(path, &taken)?;
             taken.push(path);
@@ -161,11 +155,7 @@ impl Arguments {
     }
 
     fn options(&self) -> anyhow::Result<Options> {
-        let fineness = match (self.points, self.size) {
-            (_, Some(size)) => Fineness::Size(size),
-            (points, None) => Fineness::Points(points.unwrap_or(6000)),
-        };
-        let defaults = Options::new(fineness);
+        let defaults = Options::new(self.wanted.fineness());
         Ok(Options {
             features: self.rows.features(),
             field: self.rows.field()?,
@@ -206,12 +196,7 @@ impl Progress {
     }
 }
 
-fn points(text: &str) -> Result<usize, String> {
-    let refusal = || format!("ask for {} to {} vertices", POINTS.start(), POINTS.end());
-    text.parse().ok().filter(|count| POINTS.contains(count)).ok_or_else(refusal)
-}
-
-fn positive(text: &str) -> Result<f64, String> {
+pub fn positive(text: &str) -> Result<f64, String> {
     let length = text.parse::<f64>().ok().filter(|length| length.is_finite() && *length > 0.0);
     length.ok_or_else(|| "a length is a number above 0, in model units".to_owned())
 }

@@ -5,6 +5,7 @@ mod check;
 mod devices;
 mod example;
 mod field;
+mod fineness;
 mod input;
 mod mesh;
 mod output;
@@ -24,7 +25,7 @@ pub struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   quadmosaic mesh example:m6 --points 6000 -o m6.obj
-  quadmosaic mesh car.obj --size 0.02 --crease 30 --report car.json -o car_quads.obj
+  quadmosaic mesh car.stl --size 0.02 --crease 30 --report car.json -o car_quads.obj
 
 `quadmosaic help mesh` explains every option.";
 

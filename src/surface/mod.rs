@@ -13,6 +13,7 @@ mod features;
 pub mod load;
 pub(crate) mod nearest;
 mod polygon;
+mod regions;
 mod repairs;
 mod ridges;
 mod split;
@@ -21,6 +22,7 @@ mod walk;
 mod weld;
 
 pub use features::{Curve, FeatureOptions, Features};
+pub use regions::Regions;
 pub use repairs::{Repair, Repairs};
 pub(crate) use walk::{WALK_EDGES, next_corner, previous_corner, walk};
 
@@ -40,6 +42,8 @@ pub struct Soup {
     pub points: Vec<[f64; 3]>,
     /// Indices into `points`, three a triangle.
     pub triangles: Vec<[u32; 3]>,
+    /// Which named part each triangle belongs to.
+    pub regions: Regions,
 }
 
 /// The map between model units and the unit-sized coordinates that the mesher computes in.
