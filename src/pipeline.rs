@@ -11,11 +11,12 @@ use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
 use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::join::{Joined, join};
+use crate::mesh::regions::with_regions;
 use crate::mesh::smooth::smooth;
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Mesh, Triangulation};
 use crate::mosaic::{self, Effort, Layer, Mosaic};
-use crate::surface::{FeatureOptions, Soup, Surface, SurfaceError};
+use crate::surface::{FeatureOptions, NamedEdge, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -35,6 +36,8 @@ pub struct Options {
     pub fineness: Fineness,
     /// What counts as a feature.
     pub features: FeatureOptions,
+    /// Edges of the surface that are features whatever their angle.
+    pub edges: Vec<NamedEdge>,
     /// What draws the field beside features.
     pub field: FieldOptions,
     /// When two tiles are connected.
@@ -53,6 +56,7 @@ impl Options {
         Self {
             fineness,
             features: FeatureOptions::default(),
+            edges: Vec::new(),
             field: FieldOptions::default(),
             connect: ConnectOptions::default(),
             holes: Holes::default(),
@@ -151,7 +155,7 @@ pub fn run(
     let mut clock = Clock { progress, times: Vec::new(), started: Instant::now() };
 
     clock.begin(Stage::Surface);
-    let (surface, count) = prepare(soup, &options.features, options.fineness)?;
+    let (surface, count) = prepare(soup, options)?;
 
     clock.begin(Stage::Field);
     let side = surface.frame().diagonal * f64::from(mosaic::side_for_count(&surface, count));
@@ -183,7 +187,8 @@ pub fn run(
     let below = triangulation.free_triangles(kept);
     let smoothed = smooth(&surface, &cleaned, &below, options.smoothing);
     let before = join(&filled, &triangulation.joints(None)).mesh;
-    let Joined { mesh, branches } = join(&smoothed, &triangulation.joints(kept));
+    let named = with_regions(&smoothed, &surface, &mosaic, &triangulation, kept);
+    let Joined { mesh, branches } = join(&named, &triangulation.joints(kept));
 
     let times = clock.finish();
     let [before, mesh] = [before, mesh].map(|mesh| mesh.placed(surface.frame()));
@@ -194,13 +199,10 @@ pub fn run(
 ///
 /// # Errors
 /// Where the surface cannot be meshed or the fineness makes no sense.
-pub fn prepare(
-    soup: &Soup,
-    features: &FeatureOptions,
-    fineness: Fineness,
-) -> Result<(Surface, usize), PipelineError> {
-    let surface = Surface::new(soup, features)?;
-    let count = count(&surface, fineness)?;
+pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, usize), PipelineError> {
+    let features = &options.features;
+    let surface = Surface::new(soup, features)?.with_edges(soup, &options.edges, features)?;
+    let count = count(&surface, options.fineness)?;
     let side = mosaic::side_for_count(&surface, count);
     Ok((surface.fitted(features, side), count))
 }

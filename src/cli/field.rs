@@ -10,7 +10,7 @@ use anyhow::Context;
 use clap::Args;
 use quadmosaic::export::{write_field_ply, write_field_vtk};
 use quadmosaic::field::Field;
-use quadmosaic::pipeline::prepare;
+use quadmosaic::pipeline::{Options, prepare};
 use quadmosaic::report::FieldReport;
 use std::path::{Path, PathBuf};
 
@@ -58,14 +58,19 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         expect_writable(path, &taken)?;
         taken.push(path);
     }
-    let options = rows.field()?;
+    let options = Options {
+        features: rows.features(),
+        edges: rows.edges()?,
+        field: rows.field()?,
+        ..Options::new(wanted.fineness())
+    };
     machine.start_threads()?;
     let name = source.to_string();
     let soup = source.read()?;
-    let (surface, _) = prepare(&soup, &rows.features(), wanted.fineness()).context(name.clone())?;
+    let (surface, _) = prepare(&soup, &options).context(name.clone())?;
     let device: Device = machine.open()?;
     let backend = device.backend()?;
-    let field = Field::new(&surface, &options, &*backend)?;
+    let field = Field::new(&surface, &options.field, &*backend)?;
     match output.extension() {
         Some(ending) if ending.eq_ignore_ascii_case("ply") => write_field_ply(&output, &surface, &field)?,
         _ => write_field_vtk(&output, &surface, &field)?,

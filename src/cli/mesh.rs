@@ -158,6 +158,7 @@ impl Arguments {
         let defaults = Options::new(self.wanted.fineness());
         Ok(Options {
             features: self.rows.features(),
+            edges: self.rows.edges()?,
             field: self.rows.field()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {

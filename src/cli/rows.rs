@@ -3,7 +3,7 @@
 use super::mesh::{degrees, number};
 use clap::Args;
 use quadmosaic::field::{Align, FieldOptions, Guide, GuideReport, read_guides};
-use quadmosaic::surface::FeatureOptions;
+use quadmosaic::surface::{FeatureOptions, NamedEdge, read_edges};
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -16,6 +16,14 @@ pub struct Rows {
     /// a row, as on the nose of a wing; 180: none does
     #[arg(long, value_name = "ANGLE", default_value_t = 60.0, value_parser = degrees::<180>)]
     ridge: f64,
+    /// Let rows pass the borders of regions (OBJ groups, STL solids) as if they were not there; each face still has the name
+    /// of its region
+    #[arg(long)]
+    ignore_regions: bool,
+    /// Edges to keep whatever their angle, from a file: on each line two vertex numbers of IN, counted from 1, or two points
+    /// (X,Y,Z,X,Y,Z); a straight line of edges may be named by its ends
+    #[arg(long, value_name = "FILE")]
+    feature_edges: Vec<PathBuf>,
     /// A guide: rows run along DX,DY,DZ near the point X,Y,Z, and within the distance R of it; exactly, or, where a weight W is
     /// given, drawn so strongly: 1 about half way, 10 nearly all the way. May be given many times
     #[arg(long = "guide", value_name = "X,Y,Z,DX,DY,DZ[,R[,W]]", allow_hyphen_values = true)]
@@ -34,7 +42,24 @@ pub struct Rows {
 impl Rows {
     /// What counts as a feature.
     pub fn features(&self) -> FeatureOptions {
-        FeatureOptions { crease: self.crease, ridge: self.ridge, ..FeatureOptions::default() }
+        FeatureOptions {
+            crease: self.crease,
+            ridge: self.ridge,
+            region_borders: !self.ignore_regions,
+            ..FeatureOptions::default()
+        }
+    }
+
+    /// The edges that are features whatever their angle.
+    ///
+    /// # Errors
+    /// Where a file of edges cannot be read.
+    pub fn edges(&self) -> anyhow::Result<Vec<NamedEdge>> {
+        let mut edges = Vec::new();
+        for file in &self.feature_edges {
+            edges.extend(read_edges(file)?);
+        }
+        Ok(edges)
     }
 
     /// What draws the field beside features.

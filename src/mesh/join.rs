@@ -34,6 +34,7 @@ pub fn join(mesh: &Mesh, first: &[u32]) -> Joined {
         corners.extend(face.iter().map(|&v| number[v as usize]));
         joined.push_face(&corners);
     }
+    joined.regions = mesh.regions.clone();
     Joined { mesh: joined, branches }
 }
 

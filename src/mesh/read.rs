@@ -11,7 +11,7 @@ use std::path::Path;
 /// [`LoadError`] says what is wrong, where, and what to do.
 pub fn read_mesh(path: &Path) -> Result<Mesh, LoadError> {
     let read = polygons(path, None)?;
-    Ok(Mesh { points: read.points, corners: read.corners, ends: read.ends })
+    Ok(Mesh { points: read.points, corners: read.corners, ends: read.ends, ..Mesh::default() })
 }
 
 #[cfg(test)]

@@ -13,11 +13,13 @@ pub struct FeatureOptions {
     /// Angle in degrees over which a smooth surface that turns within one tile has a ridge; 180 or more: it has none.
     /// Default 60.
     pub ridge: f64,
+    /// Whether edges between named regions are features. Default true.
+    pub region_borders: bool,
 }
 
 impl Default for FeatureOptions {
     fn default() -> Self {
-        Self { crease: 40.0, corner: 50.0, ridge: 60.0 }
+        Self { crease: 40.0, corner: 50.0, ridge: 60.0, region_borders: true }
     }
 }
 

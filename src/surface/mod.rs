@@ -8,9 +8,11 @@
 mod adjacency;
 mod caps;
 pub(crate) mod curvature;
+mod edge_file;
 pub mod examples;
 mod features;
 pub mod load;
+mod named_edges;
 pub(crate) mod nearest;
 mod polygon;
 mod regions;
@@ -21,6 +23,7 @@ mod tiny;
 mod walk;
 mod weld;
 
+pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use features::{Curve, FeatureOptions, Features};
 pub use regions::Regions;
 pub use repairs::{Repair, Repairs};
@@ -91,6 +94,32 @@ pub enum SurfaceError {
         /// Its first corner, in model units.
         at: [f64; 3],
     },
+    /// A feature edge names a vertex that is not there.
+    #[error("{name}: there is no vertex {number} in the surface's file")]
+    NoSuchVertex {
+        /// What the edge is called.
+        name: String,
+        /// The vertex, counted from 1.
+        number: usize,
+    },
+    /// A feature edge ends where there is no vertex.
+    #[error("{name}: the surface has no vertex at {at:?}; give the place of one, in the units of the surface")]
+    NoVertexAt {
+        /// What the edge is called.
+        name: String,
+        /// The place, in model units.
+        at: [f64; 3],
+    },
+    /// A feature edge is none of the surface's.
+    #[error("{name}: no edge, and no straight line of edges, joins {from:?} and {to:?}; name edges of the surface")]
+    NoEdges {
+        /// What the edge is called.
+        name: String,
+        /// One end, in model units.
+        from: [f64; 3],
+        /// The other.
+        to: [f64; 3],
+    },
     /// An index points past the last point.
     #[error("triangle {triangle} uses point {index}, but there are only {points} points")]
     IndexOutOfRange {
@@ -122,6 +151,7 @@ pub struct Surface {
     named: Vec<u32>,
     /// The first of the vertices at the place of each vertex: there are several where sheets meet or fans touch.
     same_place: Vec<u32>,
+    regions: Regions,
     features: Features,
     frame: Frame,
     repairs: Repairs,
@@ -133,14 +163,44 @@ impl Surface {
     /// # Errors
     /// Where nothing is left to mesh, or where triangles cannot be oriented alike.
     pub fn new(soup: &Soup, options: &FeatureOptions) -> Result<Self, SurfaceError> {
-        let Welded { frame, mut points, mut triangles, sources: _, mut repairs } = weld::weld(soup)?;
+        let Welded { frame, mut points, mut triangles, sources, mut repairs } = weld::weld(soup)?;
         let Adjacency { mut twins, seams, same_place } =
             adjacency::orient(&mut points, &mut triangles, &frame, &mut repairs)?;
         caps::flip(&points, &mut triangles, &mut twins, &seams, &frame, &mut repairs);
         let features = Features::default();
-        let mut surface = Self { points, triangles, twins, named: seams, same_place, features, frame, repairs };
+        let mut surface = Self {
+            points,
+            triangles,
+            twins,
+            named: seams,
+            same_place,
+            regions: soup.regions.of(&sources),
+            features,
+            frame,
+            repairs,
+        };
+        if options.region_borders {
+            surface.name(surface.region_borders());
+        }
         surface.features = Features::find(&surface, options);
         Ok(surface)
+    }
+
+    /// The same surface with these edges as features; `soup` is what it was made of.
+    ///
+    /// # Errors
+    /// Where an edge is none of the surface's.
+    pub fn with_edges(
+        mut self,
+        soup: &Soup,
+        edges: &[NamedEdge],
+        options: &FeatureOptions,
+    ) -> Result<Self, SurfaceError> {
+        if !edges.is_empty() {
+            self.name(named_edges::find(&self, soup, edges)?);
+            self.features = Features::find(&self, options);
+        }
+        Ok(self)
     }
 
     /// The same surface with the features that tiles of side `h`, unit-sized, can show: ridges become edges of it, and
@@ -156,6 +216,20 @@ impl Surface {
         self
     }
 
+    /// The half-edges between triangles of different regions.
+    fn region_borders(&self) -> Vec<u32> {
+        let of = &self.regions.of_face;
+        let differ = |&h: &u32| self.twin(h).is_some_and(|twin| of[h as usize / 3] != of[twin as usize / 3]);
+        if of.is_empty() { Vec::new() } else { (0..3 * self.triangle_count() as u32).filter(differ).collect() }
+    }
+
+    /// Makes half-edges features whatever their angle.
+    fn name(&mut self, half_edges: impl IntoIterator<Item = u32>) {
+        self.named.extend(half_edges);
+        self.named.sort_unstable();
+        self.named.dedup();
+    }
+
     /// Cuts triangles along lines, which become features.
     fn cut(&mut self, lines: &[Vec<split::Place>], options: &FeatureOptions) {
         let split = split::Split::along(self, lines);
@@ -163,10 +237,9 @@ impl Surface {
         let mut marked = vec![false; 3 * split.triangles.len()];
         let features = (0..split.parts.len() as u32).filter(|&h| self.features.is_feature(h));
         features.flat_map(|h| parts(&h)).chain(split.on_lines.iter().copied()).for_each(|h| marked[h as usize] = true);
-        let mut named: Vec<u32> = self.named.iter().flat_map(parts).chain(split.on_lines).collect();
-        named.sort_unstable();
-        named.dedup();
-        self.named = named;
+        self.named = self.named.iter().flat_map(parts).collect();
+        self.name(split.on_lines);
+        self.regions = self.regions.of(&split.sources);
         self.same_place.extend(self.points.len() as u32..split.points.len() as u32);
         (self.points, self.triangles, self.twins) = (split.points, split.triangles, split.twins);
         self.features = Features::along(self, marked, options.corner);
@@ -175,6 +248,11 @@ impl Surface {
     /// The map from model units.
     pub fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    /// The named regions of the triangles.
+    pub fn regions(&self) -> &Regions {
+        &self.regions
     }
 
     /// What was mended on the way in.

@@ -28,7 +28,7 @@ impl<'a> TriangleGrid<'a> {
         let cells = size.to_array().map(|length| (length / cell) as usize + 1);
         let mut grid = Self { surface, low, cell, cells, starts: Vec::new(), triangles: Vec::new() };
         let mut starts = vec![0u32; cells.iter().product::<usize>() + 1];
-        let boxes = || (0..surface.triangle_count()).map(|t| grid.of_triangle(t));
+        let boxes = || (0..surface.triangle_count()).map(|t| grid.of_face(t));
         boxes().for_each(|range| grid.each(range, |cell| starts[cell + 1] += 1));
         for cell in 1..starts.len() {
             starts[cell] += starts[cell - 1];
@@ -85,7 +85,7 @@ impl<'a> TriangleGrid<'a> {
         &self.triangles[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
-    fn of_triangle(&self, triangle: usize) -> [[usize; 2]; 3] {
+    fn of_face(&self, triangle: usize) -> [[usize; 2]; 3] {
         let corners = self.surface.corners(triangle).map(|p| p.as_dvec3());
         let low = self.coordinates(corners.into_iter().fold(DVec3::INFINITY, DVec3::min));
         let high = self.coordinates(corners.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max));

@@ -2,16 +2,25 @@
 
 use rustc_hash::FxHashMap;
 
-/// Which named part each triangle belongs to.
+/// Which named part each face belongs to: triangles of a surface, faces of a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Regions {
-    /// Names in order of first use; triangles that no name was given for have the empty one.
+    /// Names in order of first use; faces that no name was given for have the empty one.
     pub names: Vec<String>,
-    /// The region of each triangle, an index into `names`; empty: one unnamed region.
-    pub of_triangle: Vec<u32>,
+    /// The region of each face, an index into `names`; empty: one unnamed region.
+    pub of_face: Vec<u32>,
 }
 
 impl Regions {
+    /// The regions of these faces, in this order.
+    pub(crate) fn of(&self, faces: &[u32]) -> Self {
+        if self.of_face.is_empty() {
+            return Self::default();
+        }
+        let of_face = faces.iter().map(|&face| self.of_face[face as usize]).collect();
+        Self { names: self.names.clone(), of_face }
+    }
+
     /// The regions of so many triangles from places in their order where a name begins to hold.
     pub(crate) fn from_marks(marks: &[(usize, String)], triangles: usize) -> Self {
         let mut regions = Self::default();
@@ -19,12 +28,12 @@ impl Regions {
         let ends = marks.iter().map(|mark| mark.0).chain([triangles]);
         let names = [""].into_iter().chain(marks.iter().map(|mark| mark.1.as_str()));
         for (name, end) in names.zip(ends) {
-            if end > regions.of_triangle.len() {
+            if end > regions.of_face.len() {
                 let region = *known.entry(name).or_insert_with(|| {
                     regions.names.push(name.to_owned());
                     regions.names.len() as u32 - 1
                 });
-                regions.of_triangle.resize(end, region);
+                regions.of_face.resize(end, region);
             }
         }
         if regions.names == [""] { Self::default() } else { regions }
@@ -37,8 +46,8 @@ mod tests {
 
     fn regions(marks: &[(usize, &str)], triangles: usize) -> (Vec<String>, Vec<u32>) {
         let marks: Vec<_> = marks.iter().map(|&(place, name)| (place, name.to_owned())).collect();
-        let Regions { names, of_triangle } = Regions::from_marks(&marks, triangles);
-        (names, of_triangle)
+        let Regions { names, of_face } = Regions::from_marks(&marks, triangles);
+        (names, of_face)
     }
 
     #[test]

@@ -131,7 +131,7 @@ fn damaged_files_do_no_harm() {
                 Ok(soup) => {
                     assert!(soup.triangles.iter().flatten().all(|&index| (index as usize) < soup.points.len()));
                     assert!(corners(&soup).iter().flatten().all(|number| number.is_finite()));
-                    assert!([0, soup.triangles.len()].contains(&soup.regions.of_triangle.len()));
+                    assert!([0, soup.triangles.len()].contains(&soup.regions.of_face.len()));
                     read += 1;
                 }
                 Err(error) => {

@@ -85,10 +85,10 @@ fn groups_are_regions() {
         ("g b\nf 1 2 3 4\ng a\nf 2 3 4".to_owned(), "b|a", vec![0, 0, 1]),
         ("f 1 2 3 4\ng late".to_owned(), "", vec![]),
     ];
-    for (faces, names, of_triangle) in cases {
-        let names: Vec<_> = if of_triangle.is_empty() { vec![] } else { names.split('|').map(str::to_owned).collect() };
+    for (faces, names, of_face) in cases {
+        let names: Vec<_> = if of_face.is_empty() { vec![] } else { names.split('|').map(str::to_owned).collect() };
         let soup = parse(format!("{SQUARE}{faces}\n"), "groups").expect("it is valid");
-        assert_eq!(soup.regions, Regions { names, of_triangle }, "{faces}");
+        assert_eq!(soup.regions, Regions { names, of_face }, "{faces}");
     }
     let latin = [SQUARE.as_bytes(), b"g Fl\xFCgel\nf 1 2 3\n"].concat();
     assert_eq!(parse(&latin, "latin").expect("it is valid").regions.names, ["Fl\u{fffd}gel"]);
@@ -112,7 +112,7 @@ fn large_texts_are_read_as_small_ones() {
     let points: Vec<_> = (0..count).map(|v| [f64::from(v), f64::from(v % 7), 0.0]).collect();
     assert_eq!(soup.points, points);
     assert_eq!(soup.triangles, (0..count as u32 - 2).map(|v| [v, v + 1, v + 2]).collect::<Vec<_>>());
-    let region = |triangle: usize| soup.regions.names[soup.regions.of_triangle[triangle] as usize].as_str();
+    let region = |triangle: usize| soup.regions.names[soup.regions.of_face[triangle] as usize].as_str();
     assert_eq!([region(0), region(2), region(3), region(50_000)], ["1", "1", "4", "4"]);
 
     let lines = text.matches('\n').count();

@@ -81,9 +81,9 @@ fn solids_are_regions() {
         (ascii(&[("upper  skin", first), ("", second)]), vec!["upper skin", ""], vec![0, 1]),
         (ascii(&[("none", &[]), ("a", second), ("b", first), ("a", first)]), vec!["a", "b"], vec![0, 1, 0]),
     ];
-    for (text, names, of_triangle) in cases {
+    for (text, names, of_face) in cases {
         let names = names.into_iter().map(str::to_owned).collect();
-        assert_eq!(parse(&text).expect("it is valid").regions, Regions { names, of_triangle }, "{text}");
+        assert_eq!(parse(&text).expect("it is valid").regions, Regions { names, of_face }, "{text}");
     }
     assert_eq!(parse(binary(b"solid wing", &PAIR)).expect("it is valid").regions, Regions::default());
 }
