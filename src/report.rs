@@ -225,7 +225,7 @@ impl FieldFigures {
         };
         Self {
             singularities: found.iter().map(singularity).collect(),
-            index_sum: found.iter().map(field::Singularity::index).sum(),
+            index_sum: f64::from(found.iter().map(|singularity| singularity.quarters).sum::<i32>()) / 4.0,
             guides: field.guides().to_vec(),
         }
     }

@@ -31,7 +31,7 @@ impl Desk {
         let mut program = Command::new(env!("CARGO_BIN_EXE_quadmosaic"));
         program.args(arguments);
         // What the machine has must not decide what is tested; drivers print messages of their own, too.
-        if arguments.first() == Some(&"mesh") {
+        if matches!(arguments.first(), Some(&("mesh" | "field"))) {
             program.args(["--backend", "cpu"]);
         }
         program.current_dir(self.folder.path()).output().expect("the program starts")
@@ -139,7 +139,7 @@ fn options_reach_the_mesher() {
     assert_eq!(mesh(&["--guides", "guides.csv"]), guided);
     for (name, changed) in [
         ("guide", guided),
-        ("guide below zero", mesh(&["--guide", "-0.2,0.2,0,-1,0.5,0,0.1"])),
+        ("guide below zero", mesh(&["--guide", "-0.05,0.2,0,-1,0.5,0,0.1"])),
         ("max-distance", mesh(&["--max-distance", "1.1"])),
         ("max-angle", mesh(&["--max-angle", "10"])),
         ("holes", mesh(&["--holes", "leave", "--max-angle", "10"])),
@@ -208,6 +208,72 @@ fn bad_guides_are_refused_with_their_line() {
     ] {
         let said = desk.refusal(1, &["mesh", "example:plate", "--guides", name, "-o", "out.obj"]);
         assert!(said.contains(message), "{name}: {said}");
+    }
+}
+
+#[test]
+fn guides_without_effect_are_warned_of() {
+    let desk = Desk::new();
+    desk.put("guides.csv", "weight,x,y,z,dx,dy,dz\n# good\n,0.2,0.2,0,1,0.5,0\n2,0.2,0.2,0,0,0,1\n");
+    desk.put("strokes.json", "{\"strokes\": [{\"points\": [[0.1, 0.1, 5], [0.2, 0.1, 5]], \"radius\": 0.5}]}");
+    let run = |command: &str, output: &str| {
+        let far = "--guide=0.2,0.2,-2,1,0,0";
+        let more = ["--guides", "guides.csv", "--guides", "strokes.json", "--report", "out.json", "-q", "-o", output];
+        let output =
+            desk.run(&[&[command, "example:plate:2000", "--guide", "0.2,0.2,0,1,0,0,0.1,3", far], &more[..]].concat());
+        assert!(output.status.success());
+        text(&output.stderr)
+    };
+    for (command, output) in [("field", "out.vtk"), ("mesh", "out.obj")] {
+        let said = run(command, output);
+        let expected = [
+            "warning: --guide number 2: it is 2 away from the surface, more than 0.0283, and has no effect",
+            "warning: guides.csv, line 4: it points along the normal of the surface",
+            "warning: strokes.json, strokes[0]: it is 5 away from the surface, more than 0.5,",
+        ];
+        let warnings: Vec<&str> = said.lines().filter(|line| line.contains(": it ")).collect();
+        assert_eq!(warnings.len(), expected.len(), "{said}");
+        assert!(warnings.iter().zip(expected).all(|(line, part)| line.starts_with(part)), "{said}");
+        let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+        let guides = report["field"]["guides"].as_array().expect("a list");
+        let kinds: Vec<_> = guides.iter().map(|guide| guide["trouble"]["kind"].as_str()).collect();
+        assert_eq!(kinds, [None, Some("far"), None, Some("along_normal"), Some("far")]);
+        assert!(guides[0]["crosses"].as_u64() > Some(3) && guides[1]["crosses"] == 0);
+    }
+}
+
+#[test]
+fn the_field_is_written_for_paraview() {
+    let desk = Desk::new();
+    let said = desk.said(&["field", "example:sphere:2000", "-o", "out.vtk", "--report", "out.json"]);
+    assert!(said.contains("field     8 singularities, the sum of indices is 2"), "{said}");
+    assert!(desk.bytes("out.vtk").starts_with(b"# vtk DataFile Version 3.0\n"));
+    let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+    let list = report["field"]["singularities"].as_array().expect("a list");
+    assert_eq!(list.len(), 8);
+    for singularity in list {
+        let at: Vec<f64> = singularity["at"].as_array().expect("a place").iter().filter_map(Value::as_f64).collect();
+        let radius = at.iter().map(|x| x * x).sum::<f64>().sqrt();
+        // On the unit sphere, in the middle of a triangle.
+        assert!(singularity["index"] == 0.25 && (0.98..=1.0).contains(&radius), "{singularity}");
+    }
+    desk.said(&["field", "example:sphere:2000", "-o", "out.PLY"]);
+    assert!(desk.bytes("out.PLY").starts_with(b"ply\n"));
+    desk.said(&["field", "example:block:2000", "-o", "out.vtk"]);
+    let plain = desk.bytes("out.vtk");
+    for more in [&["--align", "curvature:2"][..], &["--crease", "5"], &["--guide", "0.85,0,0.5,1,0.3,0"]] {
+        desk.said(&[&["field", "example:block:2000", "-o", "out.vtk"], more].concat());
+        assert!(desk.bytes("out.vtk") != plain, "{more:?} change nothing");
+    }
+    for (more, message) in [
+        (&["--align", "2"][..], "write curvature:WEIGHT"),
+        (&["--align", "curvature:-1"], "write curvature:WEIGHT"),
+        (&["-o", "out.obj"], "it does not end in .vtk or .ply"),
+    ] {
+        let output: &[&str] = if more[0] == "-o" { &[] } else { &["-o", "out.vtk"] };
+        let arguments = [&["field", "example:sphere"], output, more];
+        let said = desk.refusal(2, &arguments.concat());
+        assert!(said.contains(message), "{said}");
     }
 }
 
@@ -324,7 +390,7 @@ fn check_tells_good_from_broken() {
 fn help_explains_every_subcommand() {
     let desk = Desk::new();
     let help = desk.said(&["--help"]);
-    for name in ["mesh", "example", "check", "devices"] {
+    for name in ["mesh", "field", "example", "check", "devices"] {
         assert!(help.contains(&format!("\n  {name}")), "{help}");
         assert!(desk.said(&[name, "--help"]).contains("Usage: quadmosaic"));
     }

@@ -97,8 +97,10 @@ pub struct GuideReport {
 pub enum GuideTrouble {
     /// It is away from the surface.
     #[error(
-        "it is {distance:.3e} away from the surface, more than {limit:.3e}, and has no effect; move it, check its units, or \
-         give it a larger radius"
+        "it is {} away from the surface, more than {}, and has no effect; move it, check its units, or give it a larger \
+         radius",
+        rounded(distance),
+        rounded(limit)
     )]
     Far {
         /// Its distance, in model units.
@@ -108,8 +110,10 @@ pub enum GuideTrouble {
     },
     /// Some of a stroke is away from the surface.
     #[error(
-        "{far} of {places} places along it are more than {limit:.3e} away from the surface, up to {distance:.3e}, and have no \
-         effect; follow the surface more closely, or give it a larger radius"
+        "{far} of {places} places along it are more than {} away from the surface, up to {}, and have no effect; follow \
+         the surface more closely, or give it a larger radius",
+        rounded(limit),
+        rounded(distance)
     )]
     PartlyFar {
         /// Places that are too far away.
@@ -130,6 +134,11 @@ pub enum GuideTrouble {
          a radius"
     )]
     OnFeatures,
+}
+
+/// Three digits of a length.
+fn rounded(length: &f64) -> f64 {
+    format!("{length:.2e}").parse().unwrap_or(*length)
 }
 
 /// What draws an unknown towards a cross.
