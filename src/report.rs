@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::time::Duration;
 
 /// The version of [`Report`]'s fields. It grows when a field changes its meaning or goes; new fields leave it as it is.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 const PROGRAM: &str = concat!("quadmosaic ", env!("CARGO_PKG_VERSION"));
 
@@ -23,7 +23,7 @@ pub struct Report {
     /// The program's name and version.
     pub program: String,
     /// What was read.
-    pub input: Input,
+    pub surface: Input,
     /// What was asked for.
     pub asked: Asked,
     /// Where the heavy stages ran.
@@ -134,7 +134,7 @@ impl Report {
         Self {
             version: VERSION,
             program: PROGRAM.to_owned(),
-            input: Input::new(name, surface),
+            surface: Input::new(name, surface),
             asked: match options.fineness {
                 Fineness::Points(count) => Asked::Points(count),
                 Fineness::Size(size) => Asked::Size(size),
@@ -175,7 +175,7 @@ pub struct FieldReport {
     /// The program's name and version.
     pub program: String,
     /// What was read.
-    pub input: Input,
+    pub surface: Input,
     /// Where the heavy stages ran.
     pub backend: Device,
     /// The cross field.
@@ -188,7 +188,7 @@ impl FieldReport {
         Self {
             version: VERSION,
             program: PROGRAM.to_owned(),
-            input: Input::new(name, surface),
+            surface: Input::new(name, surface),
             backend: Device::new(backend),
             field: FieldFigures::new(surface, field),
         }

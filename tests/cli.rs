@@ -88,8 +88,8 @@ fn a_sphere_from_end_to_end() {
     let mesh = read_mesh(&desk.path("out.obj")).expect("it is a mesh");
     let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
 
-    assert_eq!(report["version"], 1);
-    assert_eq!(report["input"]["name"], "example:sphere:2000");
+    assert_eq!(report["version"], 2);
+    assert_eq!(report["surface"]["name"], "example:sphere:2000");
     assert_eq!(report["asked"]["points"], 500);
     assert_eq!(report["mesh"]["vertices"], mesh.points.len());
     assert_eq!(report["mesh"]["quads"], faces(&mesh, 4));
@@ -152,8 +152,8 @@ fn options_reach_the_mesher() {
         desk.said(&["mesh", "example:block:2000", "--crease", crease, "-o", "out.obj", "--report", "out.json"]);
         serde_json::from_slice::<Value>(&desk.bytes("out.json")).expect("it is JSON")
     };
-    assert_eq!(report("40")["input"]["corners"], 8);
-    assert_eq!(report("180")["input"]["corners"], 0);
+    assert_eq!(report("40")["surface"]["corners"], 8);
+    assert_eq!(report("180")["surface"]["corners"], 0);
 }
 
 #[test]

@@ -240,7 +240,7 @@ fn the_cross_follows_every_feature() {
     }
     // Where an edge is no feature, the field need not follow it.
     let soup = example("block", 4_000);
-    let smooth = Surface::new(&soup, &FeatureOptions { crease: 95.0, corner: 50.0 }).expect("an example");
+    let smooth = Surface::new(&soup, &FeatureOptions { crease: 95.0, corner: 50.0, ..FeatureOptions::default() }).expect("an example");
     assert!(field(&smooth, &[]).sectors().quarters.iter().all(|&q| q == 0));
 }
 

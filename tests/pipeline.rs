@@ -222,7 +222,7 @@ fn what_cannot_be_is_refused() {
     }
     assert!(!refused(Fineness::Points(100)) && !refused(Fineness::Size(0.3)));
     let none = run(&Soup::default(), &options(), &Cpu, &|_, _| {}).err();
-    assert!(matches!(none, Some(PipelineError::Surface(SurfaceError::Empty { given: 0 }))));
+    assert!(matches!(none, Some(PipelineError::Surface(SurfaceError::Empty))));
 }
 
 #[test]

@@ -18,7 +18,7 @@ fn torn(soup: &Soup) -> Soup {
 
 /// Without creases and corners, features are the boundary's loops.
 fn boundary_only() -> FeatureOptions {
-    FeatureOptions { crease: 180.0, corner: 180.0 }
+    FeatureOptions { crease: 180.0, corner: 180.0, ..FeatureOptions::default() }
 }
 
 /// Vertices, edges, faces and boundary loops.
@@ -154,7 +154,7 @@ fn tetrahedron(first: u32) -> [[u32; 3]; 4] {
 fn a_bow_tie_becomes_two_vertices() {
     let corner = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mirrored = corner.map(|p| p.map(|x| -x));
-    let mut soup = Soup { points: corner.to_vec(), triangles: tetrahedron(0).to_vec() };
+    let mut soup = Soup { points: corner.to_vec(), triangles: tetrahedron(0).to_vec(), ..Soup::default() };
     soup.points.extend(mirrored);
     soup.triangles.extend(tetrahedron(4));
     let apart = new(&soup);
@@ -174,6 +174,7 @@ fn book() -> Soup {
     Soup {
         points: vec![[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]],
         triangles: vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]],
+        ..Soup::default()
     }
 }
 
@@ -277,7 +278,7 @@ fn closed_grid(mirrored: bool) -> Soup {
     };
     let mut random = scattered(3);
     let mut soup =
-        Soup { points: (0..count * count).map(|_| [random(), random(), random()]).collect(), triangles: vec![] };
+        Soup { points: (0..count * count).map(|_| [random(), random(), random()]).collect(), ..Soup::default() };
     for j in 0..count {
         for i in 0..count {
             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
@@ -367,7 +368,7 @@ fn the_frame_maps_there_and_back() {
 
 /// All vertices' places in unit-sized coordinates: with every edge a crease each vertex is a corner and seats a tile.
 fn places(soup: &Soup) -> Vec<DVec3> {
-    let surface = Surface::new(soup, &FeatureOptions { crease: 1e-2, corner: 50.0 }).expect("a sphere");
+    let surface = Surface::new(soup, &FeatureOptions { crease: 1e-2, ..FeatureOptions::default() }).expect("a sphere");
     assert_eq!(surface.features().corners().count(), surface.vertex_count());
     let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
     let (sites, tiles) = seat::seat(&surface, &field, 1.0);

@@ -119,6 +119,13 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         print(&summary::of_run(&report))?;
     }
     warn_of(outcome.field.guides());
+    let dropped = &report.surface.repairs.dropped_specks;
+    if let Some([x, y, z]) = dropped.at.first() {
+        let parts = summary::counted(dropped.count, "part");
+        eprintln!(
+            "warning: {parts} too small to have a shape left out, the first at ({x}, {y}, {z}); mesh small parts apart"
+        );
+    }
     if !report.faults.is_clean() {
         eprintln!("warning: {} has {}", arguments.output.display(), report.faults);
     }

@@ -7,7 +7,7 @@ use quadmosaic::surface::Repairs;
 
 /// All of a run.
 pub fn of_run(report: &Report) -> String {
-    let Report { input, mesh, before, mosaic, backend, .. } = report;
+    let Report { surface: input, mesh, before, mosaic, backend, .. } = report;
     let asked = match report.asked {
         Asked::Points(count) => format!("{count} asked for"),
         Asked::Size(size) => format!("tiles of side {size} asked for"),
@@ -35,7 +35,7 @@ pub fn of_run(report: &Report) -> String {
 
 /// A field alone.
 pub fn of_field(report: &FieldReport) -> String {
-    let FieldReport { input, field: figures, backend, .. } = report;
+    let FieldReport { surface: input, field: figures, backend, .. } = report;
     lines(&[
         ("surface", surface(input)),
         ("repairs", repairs(&input.repairs)),

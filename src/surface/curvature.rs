@@ -37,8 +37,6 @@ const REACH: f64 = 0.5;
 /// How the surface bends about a vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curvature {
-    /// The mean normal of the triangles at the vertex, a unit vector; zero where they cancel.
-    pub normal: DVec3,
     /// The directions of greatest and least `|curvature|`: unit vectors at right angles to each other and the normal.
     pub directions: [DVec3; 2],
     /// The curvatures in these directions, for unit-sized coordinates; positive where the surface is convex from outside.
@@ -86,7 +84,7 @@ impl Curvature {
         // `along` is the eigenvector of the greater eigenvalue, so that curvature lies across it.
         let [first, second] = [(mean + spread, across), (mean - spread, along)];
         let [first, second] = if first.0.abs() >= second.0.abs() { [first, second] } else { [second, first] };
-        Self { normal, directions: [first.1, second.1], values: [first.0, second.0] }
+        Self { directions: [first.1, second.1], values: [first.0, second.0] }
     }
 }
 

@@ -52,7 +52,7 @@ fn a_cylinder_bends_across_its_axis() {
         let out = at(&arch(1.0), radius, [0.0, 3.0, 2.0]);
         assert!(near(out.values, [0.5, 0.0], slack), "{radius}: {:?}", out.values);
         assert!(out.directions[0].x.abs() > 0.999 && out.directions[1].y.abs() > 0.999, "{out:?}");
-        assert!(out.normal.z > 0.99);
+        assert!(out.directions.iter().all(|d| d.z.abs() < 0.1), "both lie along the surface: {out:?}");
         let inside = at(&arch(-1.0), radius, [0.0, 3.0, 2.0]);
         assert!(near(inside.values, [-0.5, 0.0], slack), "{radius}: {:?}", inside.values);
     }
@@ -67,7 +67,7 @@ fn a_sphere_bends_alike_in_all_directions() {
         for (v, bend) in found.iter().enumerate() {
             assert!(near(bend.values.map(|k| k / sphere.frame().diagonal), [1.0; 2], slack), "{v}: {bend:?}");
             let [u, w] = bend.directions;
-            let frame = [u.dot(w), u.dot(bend.normal), w.dot(bend.normal), u.length() - 1.0, w.length() - 1.0];
+            let frame = [u.dot(w), u.length() - 1.0, w.length() - 1.0];
             assert!(frame.iter().all(|x| x.abs() < 1e-9), "{v}: {frame:?}");
         }
     }
