@@ -174,11 +174,11 @@ fn bad_inputs_are_refused_with_their_place() {
         ("points.obj", SQUARE.to_owned(), "points.obj has 4 vertices but no faces"),
         ("nan.obj", format!("{SQUARE}v 0 nan 0\nf 1 2 5\n"), "nan.obj, line 5: the coordinate \"nan\" is not finite"),
         ("index.obj", format!("{SQUARE}f 1 2 3\nf 1 2 9\n"), "index.obj, line 6: the face uses vertex 9"),
-        ("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_owned(), "flat.obj: the surface has no triangle"),
+        ("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_owned(), "flat.obj: none of the 1 triangles has any area"),
         (
-            "fins.obj",
-            format!("{SQUARE}v 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n"),
-            "fins.obj: 1 edges have more than two triangles",
+            "band.obj",
+            format!("{SQUARE}v 0 0 1\nf 1 2 3\nf 2 3 4\nf 3 4 5\nf 4 5 1\nf 5 1 2\n"),
+            "band.obj: the surface is not orientable",
         ),
         ("surface.stl", "solid".to_owned(), "surface.stl does not end in .obj"),
     ];

@@ -100,16 +100,13 @@ fn vertices_lie_on_the_surface() {
 
 #[test]
 fn corners_of_features_are_vertices() {
-    for (name, _, _, soup, outcome) in examples() {
-        let (surface, field) = (&outcome.surface, &outcome.field);
+    for (name, _, _, _, outcome) in examples() {
+        let surface = &outcome.surface;
         let nearest = |p: DVec3| {
             let far = |q: &[f64; 3]| p.distance(DVec3::from(surface.frame().to_unit(*q)));
             outcome.mesh.points.iter().map(far).fold(f64::MAX, f64::min)
         };
-        let place = |v: u32| {
-            let corner = field.sectors().first_corner[field.sectors().of_vertex(v)[0] as usize] as usize;
-            unit_corners(soup, surface.frame(), corner / 3)[corner % 3]
-        };
+        let place = |v: u32| DVec3::from(surface.point(v));
         for v in surface.features().corners() {
             assert!(nearest(place(v)) < 1e-7, "{name}: corner {v}");
         }

@@ -275,6 +275,11 @@ impl Surface {
         self.points.len()
     }
 
+    /// The place of a vertex, in unit-sized coordinates.
+    pub fn point(&self, vertex: u32) -> [f64; 3] {
+        self.points[vertex as usize].as_dvec3().into()
+    }
+
     /// The area, in unit-sized coordinates.
     pub fn area(&self) -> f64 {
         (0..self.triangles.len()).map(|t| f64::from(self.double_area(t)) / 2.0).sum()
