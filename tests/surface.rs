@@ -151,7 +151,7 @@ fn tetrahedron(first: u32) -> [[u32; 3]; 4] {
 fn a_bow_tie_becomes_two_vertices() {
     let corner = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mirrored = corner.map(|p| p.map(|x| -x));
-    let mut soup = Soup { points: corner.to_vec(), triangles: tetrahedron(0).to_vec() };
+    let mut soup = Soup { points: corner.to_vec(), triangles: tetrahedron(0).to_vec(), ..Default::default() };
     soup.points.extend(mirrored);
     soup.triangles.extend(tetrahedron(4));
     let apart = new(&soup);
@@ -168,6 +168,7 @@ fn what_is_no_manifold_is_refused_by_name() {
     let mut book = Soup {
         points: vec![[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]],
         triangles: vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]],
+        ..Default::default()
     };
     match Surface::new(&book, &FeatureOptions::default()) {
         Err(SurfaceError::NonManifoldEdge { count: 1, from, to }) => {
@@ -197,8 +198,8 @@ fn closed_grid(mirrored: bool) -> Soup {
         j % count * count + i % count
     };
     let mut random = scattered(3);
-    let mut soup =
-        Soup { points: (0..count * count).map(|_| [random(), random(), random()]).collect(), triangles: vec![] };
+    let points = (0..count * count).map(|_| [random(), random(), random()]).collect();
+    let mut soup = Soup { points, ..Default::default() };
     for j in 0..count {
         for i in 0..count {
             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];

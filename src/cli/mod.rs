@@ -28,7 +28,7 @@ Examples:
 
 #[derive(Subcommand)]
 enum Command {
-    Mesh(mesh::Arguments),
+    Mesh(Box<mesh::Arguments>),
     Example(example::Arguments),
     Check(check::Arguments),
     /// Lists the GPU adapters of this machine, the best first
@@ -41,7 +41,7 @@ enum Command {
 /// With a sentence for the user.
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
-        Command::Mesh(arguments) => mesh::run(arguments),
+        Command::Mesh(arguments) => mesh::run(&arguments),
         Command::Example(arguments) => example::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Devices => devices::run(),
