@@ -3,8 +3,9 @@
 use quadmosaic::mesh::{Mesh, read_mesh};
 use serde_json::Value;
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -28,13 +29,23 @@ impl Desk {
     }
 
     fn run(&self, arguments: &[&str]) -> Output {
+        self.fed(arguments, b"")
+    }
+
+    /// Runs it with these bytes on its standard input.
+    fn fed(&self, arguments: &[&str], input: &[u8]) -> Output {
         let mut program = Command::new(env!("CARGO_BIN_EXE_quadmosaic"));
         program.args(arguments);
         // What the machine has must not decide what is tested; drivers print messages of their own, too.
         if matches!(arguments.first(), Some(&("mesh" | "field"))) {
             program.args(["--backend", "cpu"]);
         }
-        program.current_dir(self.folder.path()).output().expect("the program starts")
+        program.current_dir(self.folder.path());
+        program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut program = program.spawn().expect("the program starts");
+        // It need not read it.
+        let _ = program.stdin.take().expect("it is piped").write_all(input);
+        program.wait_with_output().expect("the program ends")
     }
 
     /// What it prints, where it succeeds.
@@ -157,6 +168,46 @@ fn options_reach_the_mesher() {
 }
 
 #[test]
+fn standard_input_is_a_surface_as_any_file() {
+    let desk = Desk::new();
+    desk.said(&["example", "sphere", "--triangles", "600", "-o", "in.obj"]);
+    let surface = desk.bytes("in.obj");
+    let mesh = |input: &str, more: &[&str], fed: &[u8]| {
+        desk.fed(&[&["mesh", input, "--points", "100", "--quiet", "-o", "out.obj"], more].concat(), fed)
+    };
+    let good = |output: Output| {
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        desk.bytes("out.obj")
+    };
+    let named = good(mesh("in.obj", &[], b""));
+    for more in [&[][..], &["--format", "obj"], &["--format", "OBJ"]] {
+        assert_eq!(good(mesh("-", more, &surface)), named);
+    }
+    assert_eq!(good(mesh("in.obj", &["--format", "obj"], b"")), named);
+    fs::remove_file(desk.path("out.obj")).expect("it is there");
+
+    for (input, format, fed, code, message) in [
+        (
+            "-",
+            "stl",
+            &surface[..],
+            1,
+            "standard input was to be read as STL, but it is OBJ; leave the format out or say obj",
+        ),
+        ("in.obj", "ply", b"", 1, "in.obj was to be read as PLY, but it is OBJ"),
+        ("-", "obj", b"", 1, "standard input is empty"),
+        ("-", "obj", b"v 0 0 0\nf 1 1 2\n", 1, "standard input, line 2: the face uses vertex 2"),
+        ("-", "step", b"", 2, "the formats are obj, stl and ply"),
+        ("example:m6", "obj", b"", 2, "--format goes with a file or standard input only"),
+    ] {
+        let output = mesh(input, &["--format", format], fed);
+        assert_eq!(output.status.code(), Some(code), "{message}");
+        assert!(text(&output.stderr).contains(message), "{message}: {}", text(&output.stderr));
+        assert_eq!(desk.names(), ["in.obj"]);
+    }
+}
+
+#[test]
 fn quiet_says_nothing_but_the_mesh_is_there() {
     let desk = Desk::new();
     let output = desk.run(&["mesh", "example:sphere:2000", "--size", "0.2", "--quiet", "-o", "out.obj"]);
@@ -180,7 +231,12 @@ fn bad_inputs_are_refused_with_their_place() {
             format!("{SQUARE}v 0 0 1\nf 1 2 3\nf 2 3 4\nf 3 4 5\nf 4 5 1\nf 5 1 2\n"),
             "band.obj: the surface is not orientable",
         ),
-        ("surface.stl", "solid".to_owned(), "surface.stl does not end in .obj"),
+        (
+            "surface.obj",
+            "solid\nfacet normal 0 0 1\n".to_owned(),
+            "surface.obj, line 1: the file ends within the solid",
+        ),
+        ("cut.ply", "ply\nformat ascii 1.0\nelement".to_owned(), "cut.ply, line 1: the header begins here"),
     ];
     for (name, content, message) in files {
         desk.put(name, content);
@@ -382,6 +438,16 @@ fn check_tells_good_from_broken() {
     assert!(text(&output.stdout).contains("vertex 0 lies on no face at (5.000000, 5.000000, 5.000000)"));
     assert!(text(&output.stdout).contains("edge 1-2 has two faces on the same side"));
     assert!(text(&output.stderr).starts_with("error: broken.obj has "), "{}", text(&output.stderr));
+    // STL repeats points; what is one vertex is checked as one.
+    let facets = [["0 0 0", "1 0 0", "0 1 0"], ["1 0 0", "1 1 0", "0 1 0"]].map(|corners| {
+        format!(
+            "facet normal 0 0 1\nouter loop\n{}endloop\nendfacet\n",
+            corners.map(|at| format!("vertex {at}\n")).concat()
+        )
+    });
+    desk.put("good", format!("solid\n{}endsolid\n", facets.concat()));
+    let said = desk.said(&["check", "good"]);
+    assert!(said.contains("vertices   4\n") && said.contains("no faults; Euler characteristic 1"), "{said}");
     let said = desk.refusal(1, &["check", "none.obj"]);
     assert!(said.contains("none.obj"), "{said}");
 }

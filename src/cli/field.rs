@@ -51,10 +51,10 @@ Examples:
 
 In ParaView: a Glyph of cross_u and one of cross_v (Glyph Mode: Every Nth Point, after Cell Centers) show the crosses.";
 
-pub fn run(arguments: Arguments) -> anyhow::Result<()> {
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Arguments { source, output, wanted, rows, machine, report: report_path, quiet } = arguments;
     let mut taken: Vec<&Path> = source.path().into_iter().collect();
-    for path in [&output].into_iter().chain(&report_path) {
+    for path in [output].into_iter().chain(report_path) {
         expect_writable(path, &taken)?;
         taken.push(path);
     }
@@ -72,11 +72,11 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let backend = device.backend()?;
     let field = Field::new(&surface, &options.field, &*backend)?;
     match output.extension() {
-        Some(ending) if ending.eq_ignore_ascii_case("ply") => write_field_ply(&output, &surface, &field)?,
-        _ => write_field_vtk(&output, &surface, &field)?,
+        Some(ending) if ending.eq_ignore_ascii_case("ply") => write_field_ply(output, &surface, &field)?,
+        _ => write_field_vtk(output, &surface, &field)?,
     }
     let report = FieldReport::new(&name, &*backend, &surface, &field);
-    if let Some(path) = &report_path {
+    if let Some(path) = report_path {
         write_json(path, &report)?;
     }
     if !quiet {

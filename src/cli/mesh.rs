@@ -87,7 +87,7 @@ enum Holes {
     Leave,
 }
 
-pub fn run(arguments: Arguments) -> anyhow::Result<()> {
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.expect_writable()?;
     let options = arguments.options()?;
     arguments.machine.start_threads()?;

@@ -31,8 +31,8 @@ Examples:
 
 #[derive(Subcommand)]
 enum Command {
-    Mesh(mesh::Arguments),
-    Field(field::Arguments),
+    Mesh(Box<mesh::Arguments>),
+    Field(Box<field::Arguments>),
     Example(example::Arguments),
     Check(check::Arguments),
     /// Lists the GPU adapters of this machine, the best first
@@ -45,8 +45,8 @@ enum Command {
 /// With a sentence for the user.
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
-        Command::Mesh(arguments) => mesh::run(arguments),
-        Command::Field(arguments) => field::run(arguments),
+        Command::Mesh(arguments) => mesh::run(&arguments),
+        Command::Field(arguments) => field::run(&arguments),
         Command::Example(arguments) => example::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Devices => devices::run(),

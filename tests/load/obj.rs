@@ -94,6 +94,17 @@ fn groups_are_regions() {
     assert_eq!(parse(&latin, "latin").expect("it is valid").regions.names, ["Fl\u{fffd}gel"]);
 }
 
+/// Splitting a polygon takes the square of its corners in time: what is no polygon must not take hours.
+#[test]
+fn faces_of_too_many_corners_are_refused() {
+    let points: String = (0..20_001).map(|v| format!("v {} {} 0\n", v * v % 4099, v * 31 % 5003)).collect();
+    let face = |corners: usize| (1..=corners).map(|index| format!(" {index}")).collect::<String>();
+    let soup = parse(format!("{points}f{}\n", face(3_000)), "wild").expect("no polygon, but small");
+    assert_eq!(soup.triangles.len(), 2_998);
+    let error = parse(format!("{points}f{}\n", face(20_001)), "wild").expect_err("it is too large").to_string();
+    assert_eq!(error, "wild, line 20002: the face has 20001 corners but may have 20000 at most; split it");
+}
+
 /// A large text is cut into pieces; whatever its lines are, none may be cut, and numbers go on from piece to piece.
 #[test]
 fn large_texts_are_read_as_small_ones() {
@@ -123,7 +134,7 @@ fn large_texts_are_read_as_small_ones() {
 #[test]
 fn concave_polygons_keep_their_area() {
     let text = "v 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nv 0 0 0\nv 9 9 9\nf 1 2 3 4 5\nf 1 2 6\n";
-    let soup = parse(&text, "concave").expect("it is valid");
+    let soup = parse(text, "concave").expect("it is valid");
     assert_eq!(soup.triangles.len(), 4);
     assert_eq!(soup.triangles[3], [0, 1, 5]);
     let doubled = |triangle: &[u32; 3]| {
@@ -198,7 +209,7 @@ fn texts_without_a_surface_are_refused() {
 
 #[test]
 fn messages_say_what_where_and_what_to_do() {
-    let message = |text: &str| parse(&text, "wing.obj").expect_err("it is wrong").to_string();
+    let message = |text: &str| parse(text, "wing.obj").expect_err("it is wrong").to_string();
     assert_eq!(
         message("v 0 0 abc\nv 1 0 0\nf 1 2 2\n"),
         "wing.obj, line 1: the coordinate \"abc\" is not a number; write it like 0.25 or 2.5e-1"

@@ -202,6 +202,14 @@ pub enum Fault {
         /// The number of corners it has.
         count: usize,
     },
+    /// A face with more corners than a polygon has.
+    #[error("the face has {count} corners but may have {most} at most; split it")]
+    TooManyIndices {
+        /// The number of corners it has.
+        count: usize,
+        /// The most it may have.
+        most: usize,
+    },
     /// STL: a line begins with a word that means nothing.
     #[error(
         "{word:?} is no word of an STL file; write solid, facet, outer loop, vertex, endloop, endfacet or endsolid"

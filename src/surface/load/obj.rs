@@ -202,7 +202,6 @@ fn weight(rest: &[u8]) -> Option<&[u8]> {
 
 /// Reads a face. Corners are vertex indices, after a slash perhaps those of texture coordinates and normals.
 fn face(rest: &[u8], before: usize, vertices: usize, polygons: &mut Polygons) -> Result<(), Fault> {
-    let start = polygons.corners.len();
     for corner in words(rest) {
         let word = corner.split(|&byte| byte == b'/').next().filter(|index| !index.is_empty()).unwrap_or(corner);
         let index: i64 = parsed(word).ok_or_else(|| Fault::NotAnIndex { word: shown(word) })?;
@@ -216,12 +215,7 @@ fn face(rest: &[u8], before: usize, vertices: usize, polygons: &mut Polygons) ->
         }
         polygons.corners.push(place as u32);
     }
-    let count = polygons.corners.len() - start;
-    if count < 3 {
-        return Err(Fault::TooFewIndices { count });
-    }
-    polygons.end_face();
-    Ok(())
+    polygons.end_face()
 }
 
 /// The line, counted from 1, of a vertex that is not finite, and why it is not.

@@ -245,10 +245,7 @@ impl Element {
                 }
                 polygons.corners.push(index as u32);
             }
-            if count < 3 {
-                return Err(Fault::TooFewIndices { count }.into());
-            }
-            polygons.end_face();
+            polygons.end_face()?;
         }
         cursor.end_row()?;
         Ok(point)

@@ -1,7 +1,11 @@
 //! What files hold: polygons on numbered vertices, before they are split into triangles.
 
 use super::super::{Regions, Soup, polygon};
+use super::Fault;
 use glam::DVec3;
+
+/// More corners of a face than are plausible: splitting takes their square in time.
+const MOST_CORNERS: usize = 20_000;
 
 /// Vertices in the order of the file, and faces of three or more of them.
 #[derive(Debug, Default)]
@@ -23,9 +27,18 @@ impl Polygons {
         starts.zip(&self.ends).map(|(&start, &end)| &self.corners[start as usize..end as usize])
     }
 
-    /// Ends the face whose corners were pushed last.
-    pub fn end_face(&mut self) {
-        self.ends.push(self.corners.len() as u32);
+    /// Makes a face of the corners that were pushed since the last.
+    pub fn end_face(&mut self) -> Result<(), Fault> {
+        let end = self.corners.len() as u32;
+        let count = (end - self.ends.last().copied().unwrap_or(0)) as usize;
+        match count {
+            0..3 => Err(Fault::TooFewIndices { count }),
+            3..=MOST_CORNERS => {
+                self.ends.push(end);
+                Ok(())
+            }
+            _ => Err(Fault::TooManyIndices { count, most: MOST_CORNERS }),
+        }
     }
 
     /// The first vertex that a face uses and that has no place in space.

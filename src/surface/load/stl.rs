@@ -78,7 +78,7 @@ fn binary(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
             }
             points.push(point);
         }
-        points.polygons.end_face();
+        points.polygons.ends.push(points.polygons.corners.len() as u32);
     }
     Ok(points.polygons)
 }
@@ -157,10 +157,9 @@ impl Joined {
     /// Ends the facet, if there is one.
     fn end_facet(&mut self) -> Result<(), Fault> {
         match self.polygons.corners.len() - 3 * self.polygons.ends.len() {
-            0 => {}
+            0 => Ok(()),
             3 => self.polygons.end_face(),
-            count => return Err(Fault::NotATriangle { count }),
+            count => Err(Fault::NotATriangle { count }),
         }
-        Ok(())
     }
 }
