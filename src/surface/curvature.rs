@@ -26,7 +26,8 @@
 use super::{NONE, Surface, next_corner, previous_corner};
 use glam::{DMat3, DVec3, Mat3};
 use rayon::prelude::*;
-use std::f64::consts::FRAC_2_PI;
+use rustc_hash::FxHashMap;
+use std::f64::consts::{FRAC_2_PI, PI};
 use std::mem;
 
 /// Vertices within this share of the radius about a measured one are not measured themselves.
@@ -51,8 +52,13 @@ pub(crate) fn radius_of_tile(side: f64) -> f64 {
 /// The curvatures at each vertex, averaged over a disc of this radius (unit-sized coordinates) about it; it is at least
 /// that of a tile of the vertex' shortest edge, so that bends are not seen one edge at a time.
 pub(crate) fn curvatures(surface: &Surface, radius: f64) -> Vec<Curvature> {
+    curvatures_above(surface, radius, 0.0)
+}
+
+/// As [`curvatures`], but where the surface is sure to bend less than `least` the values are zero.
+pub(crate) fn curvatures_above(surface: &Surface, radius: f64, least: f64) -> Vec<Curvature> {
     let measure = Measure::new(surface, radius);
-    let seeds = measure.seeds();
+    let seeds = measure.seeds(&measure.settled(least));
     let measured: Vec<Vec<Bend>> = seeds
         .par_chunks(seeds.len().div_ceil(64).max(1))
         .map(|seeds| {
@@ -69,7 +75,8 @@ pub(crate) fn curvatures(surface: &Surface, radius: f64) -> Vec<Curvature> {
         }
     }
     let normals = vertex_normals(surface);
-    tensors.par_iter().zip(&normals).map(|(&(sum, total), &normal)| Curvature::new(normal, sum / total)).collect()
+    let mean = |&(sum, total): &(DMat3, f64)| if total > 0.0 { sum / total } else { DMat3::ZERO };
+    tensors.par_iter().zip(&normals).map(|(of, &normal)| Curvature::new(normal, mean(of))).collect()
 }
 
 impl Curvature {
@@ -142,9 +149,38 @@ impl<'a> Measure<'a> {
         Self { surface, radii, on_feature, corners, turns, normals, areas, tensors }
     }
 
-    /// Vertices such that every other has one of its kind, on features or off them, within the spacing.
-    fn seeds(&self) -> Vec<u32> {
-        let mut covered = vec![false; self.surface.vertex_count()];
+    /// Which vertices are sure to have a curvature below `least`: not even all turns within twice their disc's reach,
+    /// whatever their directions, would make as much in a quarter of a disc.
+    fn settled(&self, least: f64) -> Vec<bool> {
+        let surface = self.surface;
+        let points = || surface.points.par_iter().map(|p| p.as_dvec3());
+        if least <= 0.0 {
+            return vec![false; surface.vertex_count()];
+        }
+        let longest = (0..3 * surface.triangle_count() as u32).into_par_iter().map(|h| surface.length(h));
+        let cell = longest.reduce(|| 0.0, f64::max) + self.radii.iter().copied().fold(0.0, f64::max);
+        let cell_of = |p: DVec3| (p / cell).floor().as_i64vec3().to_array();
+        let mut sums: FxHashMap<[i64; 3], f64> = FxHashMap::default();
+        for t in 0..surface.triangle_count() {
+            let bend: f64 = (3 * t..3 * t + 3).map(|h| f64::from(self.turns[h]).abs() * surface.length(h as u32)).sum();
+            *sums.entry(cell_of(surface.points[surface.triangles[t][0] as usize].as_dvec3())).or_default() += bend / 2.0;
+        }
+        let about = |[x, y, z]: [i64; 3]| -> f64 {
+            (0..27).filter_map(|i| sums.get(&[x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1])).sum()
+        };
+        let near: FxHashMap<[i64; 3], f64> = sums.keys().map(|&cell| (cell, about(cell))).collect();
+        points()
+            .zip(&self.radii)
+            .map(|(p, radius)| {
+                let sum = near.get(&cell_of(p)).copied().unwrap_or_else(|| about(cell_of(p)));
+                sum < least * PI * radius * radius / 4.0
+            })
+            .collect()
+    }
+
+    /// Vertices such that every other that is not `settled` has one of its kind, on features or off them, within the spacing.
+    fn seeds(&self, settled: &[bool]) -> Vec<u32> {
+        let mut covered = settled.to_vec();
         let mut flood = Flood::new(self.surface);
         let mut seeds = Vec::new();
         for seed in 0..covered.len() as u32 {

@@ -15,7 +15,7 @@
 //! more than a share of that, bridged over short gaps, prolonged to a feature close ahead, and forgotten where it is
 //! shorter than a few tiles. Lines of finer tiles fade by themselves, since less of the bend falls within a tile.
 
-use super::curvature::{Curvature, curvatures, radius_of_tile};
+use super::curvature::{Curvature, curvatures_above, radius_of_tile};
 use super::split::Place;
 use super::{NONE, Surface, next, previous};
 use glam::DVec3;
@@ -34,8 +34,8 @@ const STRAIGHTENED: usize = 20;
 
 /// The ridges for tiles of side `h`, unit-sized, on which the surface turns by more than `limit` degrees a tile.
 pub(super) fn ridges(surface: &Surface, h: f64, limit: f64) -> Vec<Vec<Place>> {
-    let field = Bending::new(surface, h);
     let limit = limit.to_radians();
+    let field = Bending::new(surface, h, FOLLOWED * limit);
     let mut lines = field.lines(FOLLOWED * limit);
     lines.retain(|line| line.iter().any(|&place| field.strength(place) >= limit));
     lines.retain(|line| length(surface, line) >= SHORTEST * h);
@@ -101,7 +101,7 @@ fn length(surface: &Surface, line: &[Place]) -> f64 {
     line.windows(2).map(|pair| pair[0].position(surface).distance(pair[1].position(surface))).sum()
 }
 
-/// How sharply the surface bends at each vertex.
+/// How sharply the surface bends at each vertex; nothing is told where it bends less than is asked for.
 struct Bending<'a> {
     surface: &'a Surface,
     /// The angle in radians by which it turns within a tile.
@@ -113,8 +113,8 @@ struct Bending<'a> {
 }
 
 impl<'a> Bending<'a> {
-    fn new(surface: &'a Surface, h: f64) -> Self {
-        let bends = curvatures(surface, radius_of_tile(h));
+    fn new(surface: &'a Surface, h: f64, least: f64) -> Self {
+        let bends = curvatures_above(surface, radius_of_tile(h), least / h);
         let turns: Vec<f64> = bends.iter().map(|bend| bend.values[0].abs() * h).collect();
         let slopes = slopes(surface, &bends, &turns);
         Self { surface, turns, across: bends.iter().map(|bend| bend.directions[0]).collect(), slopes }

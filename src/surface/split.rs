@@ -2,7 +2,7 @@
 
 use super::{NONE, Surface, next};
 use glam::{DVec3, Vec3};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
 /// A place on the surface's edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ impl Split {
             parts: vec![[NONE; 2]; 3 * surface.triangle_count()],
             on_lines: Vec::new(),
         };
-        let mut cuts: FxHashMap<u32, u32> = FxHashMap::default();
+        let mut cuts = vec![NONE; 3 * surface.triangle_count()];
         let mut segments: FxHashSet<[u32; 2]> = FxHashSet::default();
         for line in lines {
             let vertices: Vec<u32> = line.iter().map(|&place| split.vertex(surface, &mut cuts, place)).collect();
@@ -68,25 +68,24 @@ impl Split {
         split
     }
 
-    fn vertex(&mut self, surface: &Surface, cuts: &mut FxHashMap<u32, u32>, place: Place) -> u32 {
+    fn vertex(&mut self, surface: &Surface, cuts: &mut [u32], place: Place) -> u32 {
         match place {
             Place::Vertex(v) => v,
             Place::Edge(h, _) => {
-                let id = *cuts.entry(h).or_insert_with(|| {
+                if cuts[h as usize] == NONE {
                     self.points.push(place.position(surface).as_vec3());
-                    self.points.len() as u32 - 1
-                });
-                if let Some(twin) = surface.twin(h) {
-                    cuts.insert(twin, id);
+                    for side in [Some(h), surface.twin(h)].into_iter().flatten() {
+                        cuts[side as usize] = self.points.len() as u32 - 1;
+                    }
                 }
-                id
+                cuts[h as usize]
             }
         }
     }
 
     /// Adds the parts of one triangle.
-    fn cut(&mut self, surface: &Surface, triangle: u32, cuts: &FxHashMap<u32, u32>) {
-        let middle = [0, 1, 2].map(|k| cuts.get(&(3 * triangle + k)).copied());
+    fn cut(&mut self, surface: &Surface, triangle: u32, cuts: &[u32]) {
+        let middle = [0, 1, 2].map(|k| Some(cuts[3 * triangle as usize + k]).filter(|&cut| cut != NONE));
         let corner = surface.triangles[triangle as usize];
         let first = self.triangles.len() as u32;
         // Turned so that cut sides come first and follow each other.
@@ -145,11 +144,14 @@ impl Split {
         for run in self.sources.chunk_by(|a, b| a == b) {
             let edges = 3 * begun as u32..3 * (begun + run.len()) as u32;
             begun += run.len();
+            if run.len() == 1 {
+                continue;
+            }
             let ends = |h: u32| [h, next(h)].map(|h| self.triangles[h as usize / 3][h as usize % 3]);
             let pairs: Vec<[u32; 2]> = edges
                 .clone()
                 .flat_map(|h| edges.clone().map(move |g| [h, g]))
-                .filter(|&[h, g]| run.len() > 1 && h < g && ends(h) == [ends(g)[1], ends(g)[0]])
+                .filter(|&[h, g]| h < g && ends(h) == [ends(g)[1], ends(g)[0]])
                 .collect();
             for [h, g] in pairs {
                 self.twins[h as usize] = g;
