@@ -77,7 +77,14 @@ pub(super) fn weld(soup: &Soup) -> Result<Welded, SurfaceError> {
     if !any_area {
         return Err(SurfaceError::NoArea { given: soup.triangles.len() });
     }
-    Ok(Welded { frame, points: points.iter().map(|p| p.as_vec3()).collect(), triangles, sources, repairs })
+    Ok(Welded { frame, points: points.iter().map(|&p| on_grid(p)).collect(), triangles, sources, repairs })
+}
+
+/// The nearest point whose coordinates are multiples of 2^-24, what f32 resolves at the rim of the bounding box. Were the
+/// middle finer, a model far from the origin would have its own roundings there, and another mesh.
+fn on_grid(p: DVec3) -> Vec3 {
+    const STEPS: f64 = (1 << 24) as f64;
+    ((p * STEPS).round() / STEPS).as_vec3()
 }
 
 /// The parts that triangles fall into.
