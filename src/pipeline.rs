@@ -158,9 +158,7 @@ pub fn run(
     let (surface, count) = prepare(soup, options)?;
 
     clock.begin(Stage::Field);
-    let side = surface.frame().diagonal * f64::from(mosaic::side_for_count(&surface, count));
-    let align = options.field.align.map(|align| Align { side: align.side.or(Some(side)), ..align });
-    let field = Field::new(&surface, &FieldOptions { align, ..options.field.clone() }, backend)?;
+    let field = field(&surface, count, options, backend)?;
 
     clock.begin(Stage::Mosaic);
     let mosaic = lay(&surface, &field, backend, count, &|share| progress(Stage::Mosaic, share))?;
@@ -205,6 +203,16 @@ pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, usize), Pipel
     let count = count(&surface, options.fineness)?;
     let side = mosaic::side_for_count(&surface, count);
     Ok((surface.fitted(features, side), count))
+}
+
+/// The field that `count` tiles would be laid along: curvature is seen at their scale.
+///
+/// # Errors
+/// Where the backend fails.
+pub fn field(surface: &Surface, count: usize, options: &Options, backend: &dyn Backend) -> Result<Field, ComputeError> {
+    let side = surface.frame().diagonal * f64::from(mosaic::side_for_count(surface, count));
+    let align = options.field.align.map(|align| Align { side: align.side.or(Some(side)), ..align });
+    Field::new(surface, &FieldOptions { align, ..options.field.clone() }, backend)
 }
 
 fn lay(

@@ -225,7 +225,11 @@ fn bad_inputs_are_refused_with_their_place() {
         ("points.obj", SQUARE.to_owned(), "points.obj has 4 vertices but no faces"),
         ("nan.obj", format!("{SQUARE}v 0 nan 0\nf 1 2 5\n"), "nan.obj, line 5: the coordinate \"nan\" is not finite"),
         ("index.obj", format!("{SQUARE}f 1 2 3\nf 1 2 9\n"), "index.obj, line 6: the face uses vertex 9"),
-        ("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_owned(), "flat.obj: none of the 1 triangles has any area"),
+        (
+            "flat.obj",
+            "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_owned(),
+            "flat.obj: none of the 1 triangles has any area",
+        ),
         (
             "band.obj",
             format!("{SQUARE}v 0 0 1\nf 1 2 3\nf 2 3 4\nf 3 4 5\nf 4 5 1\nf 5 1 2\n"),

@@ -240,7 +240,8 @@ fn the_cross_follows_every_feature() {
     }
     // Where an edge is no feature, the field need not follow it.
     let soup = example("block", 4_000);
-    let smooth = Surface::new(&soup, &FeatureOptions { crease: 95.0, corner: 50.0, ..FeatureOptions::default() }).expect("an example");
+    let smooth =
+        Surface::new(&soup, &FeatureOptions { crease: 95.0, ..FeatureOptions::default() }).expect("an example");
     assert!(field(&smooth, &[]).sectors().quarters.iter().all(|&q| q == 0));
 }
 
@@ -451,4 +452,26 @@ fn aligned_the_field_follows_curvature() {
     let held = |sector: &usize| both.sectors().quarters[*sector] > 0;
     assert!((0..both.crosses().len()).filter(held).all(|s| both.crosses()[s] == alone.crosses()[s]));
     assert_ne!(both.crosses(), alone.crosses());
+}
+
+#[test]
+fn a_guide_stays_on_its_side_of_a_thin_part() {
+    // The wing is 0.07 thick there, and its edges 0.2 away.
+    let wing = surface(&example("m6", 6_000));
+    let [above, below] = [1.0, -1.0].map(|side| {
+        let guide = Guide::vector([0.45, 0.41, 0.033 * side], [1.0, 0.6, 0.0]).within(0.1);
+        field(&wing, &[guide])
+    });
+    let plain = field(&wing, &[]);
+    let turned = |field: &Field| -> Vec<f64> {
+        let pairs = field.crosses().iter().zip(plain.crosses());
+        pairs.map(|(a, b)| wrapped(angle(*a) - angle(*b)).abs()).collect()
+    };
+    let (above, below) = (turned(&above), turned(&below));
+    let [mut apart, mut both] = [0, 0];
+    for (a, b) in above.iter().zip(&below) {
+        apart += usize::from(a.max(*b) > 0.5 && a.min(*b) < 0.2);
+        both += usize::from(a.min(*b) > 0.5);
+    }
+    assert!(apart > 50 && both == 0, "{apart} crosses are turned by one of them, {both} by both");
 }

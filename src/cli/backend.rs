@@ -20,16 +20,15 @@ pub enum Choice {
 
 /// The arguments that say where the heavy stages run.
 #[derive(Args)]
-#[command(next_help_heading = "Machine")]
 pub struct Machine {
     /// Where the heavy stages run
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Machine")]
     backend: Choice,
     /// The GPU whose name contains this text (see `quadmosaic devices`)
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", help_heading = "Machine")]
     adapter: Option<String>,
     /// Threads on the CPU, up to 1024; 0: as many as there are cores. The result is the same for any number
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>, help_heading = "Machine")]
     threads: usize,
 }
 

@@ -9,8 +9,7 @@ use super::summary;
 use anyhow::Context;
 use clap::Args;
 use quadmosaic::export::{write_field_ply, write_field_vtk};
-use quadmosaic::field::Field;
-use quadmosaic::pipeline::{Options, prepare};
+use quadmosaic::pipeline::{self, Options, prepare};
 use quadmosaic::report::FieldReport;
 use std::path::{Path, PathBuf};
 
@@ -67,10 +66,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     machine.start_threads()?;
     let name = source.to_string();
     let soup = source.read()?;
-    let (surface, _) = prepare(&soup, &options).context(name.clone())?;
+    let (surface, count) = prepare(&soup, &options).context(name.clone())?;
     let device: Device = machine.open()?;
     let backend = device.backend()?;
-    let field = Field::new(&surface, &options.field, &*backend)?;
+    let field = pipeline::field(&surface, count, &options, &*backend)?;
     match output.extension() {
         Some(ending) if ending.eq_ignore_ascii_case("ply") => write_field_ply(output, &surface, &field)?,
         _ => write_field_vtk(output, &surface, &field)?,

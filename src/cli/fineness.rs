@@ -5,13 +5,12 @@ use clap::Args;
 use quadmosaic::pipeline::{Fineness, POINTS};
 
 #[derive(Args)]
-#[command(next_help_heading = "Fineness")]
 pub struct Wanted {
     /// Number of vertices wanted, 4 to 50000000 [default: 6000]
-    #[arg(long, value_name = "N", value_parser = points, conflicts_with = "size")]
+    #[arg(long, value_name = "N", value_parser = points, conflicts_with = "size", help_heading = "Fineness")]
     points: Option<usize>,
     /// Instead of --points: the edge length wanted, in model units
-    #[arg(long, value_name = "H", value_parser = positive)]
+    #[arg(long, value_name = "H", value_parser = positive, help_heading = "Fineness")]
     size: Option<f64>,
 }
 

@@ -7,35 +7,34 @@ use quadmosaic::surface::{FeatureOptions, NamedEdge, read_edges};
 use std::path::PathBuf;
 
 #[derive(Args)]
-#[command(next_help_heading = "Rows")]
 pub struct Rows {
     /// Dihedral angle in degrees (1 to 180) over which an edge is a crease that the mesh keeps; 180: none is
-    #[arg(long, value_name = "ANGLE", default_value_t = 40.0, value_parser = degrees::<180>)]
+    #[arg(long, value_name = "ANGLE", default_value_t = 40.0, value_parser = degrees::<180>, help_heading = "Rows")]
     crease: f64,
     /// Angle in degrees (1 to 180) by which a smooth surface must turn within one tile for the line of sharpest turn to carry
     /// a row, as on the nose of a wing; 180: none does
-    #[arg(long, value_name = "ANGLE", default_value_t = 60.0, value_parser = degrees::<180>)]
+    #[arg(long, value_name = "ANGLE", default_value_t = 60.0, value_parser = degrees::<180>, help_heading = "Rows")]
     ridge: f64,
     /// Let rows pass the borders of regions (OBJ groups, STL solids) as if they were not there; each face still has the name
     /// of its region
-    #[arg(long)]
+    #[arg(long, help_heading = "Rows")]
     ignore_regions: bool,
     /// Edges to keep whatever their angle, from a file: on each line two vertex numbers of IN, counted from 1, or two points
     /// (X,Y,Z,X,Y,Z); a straight line of edges may be named by its ends
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Rows")]
     feature_edges: Vec<PathBuf>,
     /// A guide: rows run along DX,DY,DZ near the point X,Y,Z, and within the distance R of it; exactly, or, where a weight W is
-    /// given, drawn so strongly: 1 about half way, 10 nearly all the way. May be given many times
-    #[arg(long = "guide", value_name = "X,Y,Z,DX,DY,DZ[,R[,W]]", allow_hyphen_values = true)]
+    /// given, drawn so strongly: 1 about as much as by the surroundings, 10 nearly all the way. May be given many times
+    #[arg(long = "guide", value_name = "X,Y,Z,DX,DY,DZ[,R[,W]]", allow_hyphen_values = true, help_heading = "Rows")]
     guides: Vec<Guide>,
     /// Guides from a file: CSV, one a line, the columns as for --guide or named by a header (x, y, z, dx, dy, dz, radius,
     /// weight); or JSON with strokes too: {"guides": [{"point": [X,Y,Z], "direction": [DX,DY,DZ]}], "strokes": [{"points":
     /// [[X,Y,Z], ...]}]}, each perhaps with "radius" and "weight"
-    #[arg(long = "guides", value_name = "FILE")]
+    #[arg(long = "guides", value_name = "FILE", help_heading = "Rows")]
     guide_files: Vec<PathBuf>,
     /// Draw rows along the directions of greatest and least curvature where no guide and no feature is; WEIGHT: 1 is
     /// moderate, 0 off
-    #[arg(long, value_name = "curvature:WEIGHT", value_parser = align)]
+    #[arg(long, value_name = "curvature:WEIGHT", value_parser = align, help_heading = "Rows")]
     align: Option<Align>,
 }
 

@@ -3,15 +3,21 @@
 //! # Practice
 //! A guide without weight fixes the crosses that it reaches. One of weight `w` pulls at them, with `2 pi w` in all, shared
 //! by area, against links whose weights are cotangents and so do not depend on the triangles: as a plate's conductance
-//! between a disc and a ring `e` times as wide is `2 pi` too, a weight of 1 draws the field about half way from what the
-//! surroundings want to what the guide wants, whatever the radius and however fine the triangles are.
+//! between a disc and a ring `e` times as wide is `2 pi` too, a weight of 1 weighs about as much as the surroundings,
+//! whatever the radius and however fine the triangles are. How far that draws the cross at the guide's point of the way
+//! that an exact guide would: on the plate (18 degrees off, radius 0.03) 7 % for 0.1, 28 % for 0.3, 65 % for 1, 90 % for 3,
+//! 99 % for 10; on the wing, between two edges that want other rows (37 degrees, radius 0.1), 4 % for 0.3, 19 % for 1, 75 %
+//! for 3, 98 % for 10.
 
 use super::{Complex, Sectors};
 use crate::surface::nearest::{TriangleGrid, nearest_on_segment};
 use crate::surface::{Surface, next, previous};
 use glam::DVec3;
+use rayon::prelude::*;
+use rustc_hash::FxHashSet;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
 use std::f64::consts::{PI, TAU};
 use thiserror::Error;
 
@@ -29,9 +35,10 @@ pub struct Guide {
     pub name: String,
     /// Where it is and which way it points.
     pub trace: Trace,
-    /// How far from its trace it reaches, in model units; 0: the nearest triangles' corners. Default 0.
+    /// How far from its trace it reaches over the surface, in model units; 0: the nearest triangles' corners. Default 0.
     pub radius: f64,
-    /// How strongly it pulls: 1 about half way, 10 nearly all the way. `None`, the default: the field follows it exactly.
+    /// How strongly it pulls: 1 about as much as the surroundings, 10 nearly all the way. `None`, the default: the field
+    /// follows it exactly.
     pub weight: Option<f64>,
 }
 
@@ -216,10 +223,9 @@ pub(crate) fn grips(surface: &Surface, sectors: &Sectors, guides: &[Guide]) -> (
         return (Vec::new(), Vec::new());
     }
     let grid = TriangleGrid::new(surface);
-    let mut grips = Vec::new();
-    let reports = guides.iter().map(|guide| Reach::new(&grid, surface, sectors, guide).grip(guide, &mut grips));
-    let reports = reports.collect();
-    (grips, reports)
+    let (grips, reports): (Vec<_>, Vec<_>) =
+        guides.par_iter().map(|guide| Reach::new(&grid, surface, sectors, guide).grip(guide)).unzip();
+    (grips.concat(), reports)
 }
 
 /// A straight part of a guide: a segment, of no length for a control vector, and the direction along it.
@@ -265,20 +271,20 @@ impl<'a> Reach<'a> {
         let parts = parts(surface, &guide.trace);
         let reached = BTreeMap::new();
         let mut reach = Self { surface, sectors, parts, reached, limit, places: 0, far: 0, farthest: 0.0 };
-        for part in 0..reach.parts.len() {
-            reach.along(grid, part);
-            if radius > 0.0 {
-                reach.around(grid, part, radius);
-            }
+        let beneath = (0..reach.parts.len()).flat_map(|part| reach.along(grid, part)).collect();
+        if radius > 0.0 {
+            reach.spread(radius, beneath);
         }
         reach
     }
 
-    /// Reaches the corners of the triangles nearest to a part, looked for in steps of half a triangle.
-    fn along(&mut self, grid: &TriangleGrid, part: usize) {
+    /// Reaches the corners of the triangles nearest to a part, looked for in steps of half a triangle; returns these,
+    /// with the part.
+    fn along(&mut self, grid: &TriangleGrid, part: usize) -> Vec<(u32, usize)> {
         let Part { start, end, .. } = self.parts[part];
         let way = end - start;
         let mut at = 0.0;
+        let mut beneath = Vec::new();
         loop {
             let place = start + way * at;
             let (triangle, distance) = grid.nearest(place);
@@ -288,23 +294,38 @@ impl<'a> Reach<'a> {
                 self.far += 1;
             } else {
                 (3 * triangle..3 * triangle + 3).for_each(|corner| self.touch(corner, part));
+                beneath.push((triangle, part));
             }
             if at >= 1.0 {
-                break;
+                return beneath;
             }
             let size = f64::from(self.surface.double_area(triangle as usize)).sqrt();
             at = (at + (size / 2.0 / way.length().max(f64::MIN_POSITIVE)).max(1.0 / MOST_PLACES)).min(1.0);
         }
     }
 
-    /// Reaches the vertices within a radius of a part.
-    fn around(&mut self, grid: &TriangleGrid, part: usize, radius: f64) {
-        let Part { start, end, .. } = self.parts[part];
-        let margin = DVec3::splat(radius);
-        for triangle in grid.near(start.min(end) - margin, start.max(end) + margin) {
-            for corner in 3 * triangle..3 * triangle + 3 {
+    /// Reaches the vertices within a radius that the surface inside the radius connects to triangles beneath the guide, not
+    /// those on the other side of a thin plate. Nearer triangles come first, and with the part that led to them: so each is
+    /// visited once, however many parts are near.
+    fn spread(&mut self, radius: f64, beneath: Vec<(u32, usize)>) {
+        let corners = |triangle: u32| 3 * triangle..3 * triangle + 3;
+        let entry = |reach: &Self, triangle: u32, part: usize| {
+            let nearest = corners(triangle).map(|corner| reach.distance(corner, part)).fold(f64::INFINITY, f64::min);
+            // The bits of numbers from zero up are in the order of the numbers.
+            Reverse((nearest.to_bits(), triangle, part))
+        };
+        let mut open: BinaryHeap<_> = beneath.into_iter().map(|(triangle, part)| entry(self, triangle, part)).collect();
+        let mut seen = FxHashSet::default();
+        while let Some(Reverse((nearest, triangle, part))) = open.pop() {
+            if f64::from_bits(nearest) > radius || !seen.insert(triangle) {
+                continue;
+            }
+            for corner in corners(triangle) {
                 if self.distance(corner, part) <= radius {
                     self.touch(corner, part);
+                }
+                if let Some(twin) = self.surface.twin(corner).filter(|twin| !seen.contains(&(twin / 3))) {
+                    open.push(entry(self, twin / 3, part));
                 }
             }
         }
@@ -324,8 +345,8 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// Adds the grips, and says what is wrong with the guide.
-    fn grip(&self, guide: &Guide, grips: &mut Vec<Grip>) -> GuideReport {
+    /// The grips, and what is wrong with the guide.
+    fn grip(&self, guide: &Guide) -> (Vec<Grip>, GuideReport) {
         let free = |sector: u32| self.sectors.quarters[sector as usize] == 0;
         let held: Vec<(u32, Complex)> = self
             .reached
@@ -337,7 +358,7 @@ impl<'a> Reach<'a> {
             .collect();
         let area: f64 = held.iter().map(|&(sector, _)| sector_area(self.surface, self.sectors, sector)).sum();
         let density = guide.weight.map(|weight| TAU * weight / area.max(f64::MIN_POSITIVE));
-        grips.extend(held.iter().map(|&(sector, toward)| Grip { sector, toward, density }));
+        let grips = held.iter().map(|&(sector, toward)| Grip { sector, toward, density }).collect();
 
         let diagonal = self.surface.frame().diagonal;
         let (distance, limit) = (self.farthest * diagonal, self.limit * diagonal);
@@ -352,7 +373,7 @@ impl<'a> Reach<'a> {
         } else {
             None
         };
-        GuideReport { name: guide.name.clone(), crosses: held.len(), trouble }
+        (grips, GuideReport { name: guide.name.clone(), crosses: held.len(), trouble })
     }
 }
 

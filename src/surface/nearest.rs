@@ -1,4 +1,4 @@
-//! The triangle nearest to a point, and those in a box: a uniform grid of the triangles' boxes.
+//! The triangle nearest to a point: a uniform grid of the triangles' boxes.
 
 use super::Surface;
 use glam::DVec3;
@@ -69,16 +69,6 @@ impl<'a> TriangleGrid<'a> {
             }
         }
         (best.1, best.0.sqrt())
-    }
-
-    /// The triangles whose boxes may touch this one, in order.
-    pub fn near(&self, low: DVec3, high: DVec3) -> Vec<u32> {
-        let (low, high) = (self.coordinates(low), self.coordinates(high));
-        let mut found = Vec::new();
-        self.each([0, 1, 2].map(|k| [low[k], high[k]]), |cell| found.extend(self.of_cell(cell)));
-        found.sort_unstable();
-        found.dedup();
-        found
     }
 
     fn of_cell(&self, cell: usize) -> &[u32] {
@@ -157,11 +147,6 @@ mod tests {
                 let all = (0..surface.triangle_count()).map(|t| (distance_squared(point, corners(t)), t as u32));
                 let (square, t) = all.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a triangle");
                 assert_eq!(grid.nearest(point), (t, square.sqrt()), "{name}, {point}");
-                let reach = DVec3::splat(0.1);
-                let near = grid.near(point - reach, point + reach);
-                let far = (0..surface.triangle_count() as u32).filter(|t| near.binary_search(t).is_err());
-                let least = far.map(|t| distance_squared(point, corners(t as usize))).fold(f64::INFINITY, f64::min);
-                assert!(least > 0.1 * 0.1, "{name}, {point}: one is {} away", least.sqrt());
             }
         }
     }

@@ -52,7 +52,7 @@ fn a_cylinder_bends_across_its_axis() {
         let out = at(&arch(1.0), radius, [0.0, 3.0, 2.0]);
         assert!(near(out.values, [0.5, 0.0], slack), "{radius}: {:?}", out.values);
         assert!(out.directions[0].x.abs() > 0.999 && out.directions[1].y.abs() > 0.999, "{out:?}");
-        assert!(out.directions.iter().all(|d| d.z.abs() < 0.1), "both lie along the surface: {out:?}");
+        assert!(out.directions[0].cross(out.directions[1]).z.abs() > 0.99);
         let inside = at(&arch(-1.0), radius, [0.0, 3.0, 2.0]);
         assert!(near(inside.values, [-0.5, 0.0], slack), "{radius}: {:?}", inside.values);
     }
@@ -63,11 +63,12 @@ fn a_sphere_bends_alike_in_all_directions() {
     let sphere = surface(&Example::Sphere.generate(8_000));
     // Two edges, four, and eight, when the disc is a cap: cos^2 at its rim is 16 % less, 5 % in the mean.
     for (radius, slack) in [(0.1, 0.12), (0.2, 0.06), (0.4, 0.06)] {
+        let normals = vertex_normals(&sphere);
         let found = curvatures(&sphere, radius / sphere.frame().diagonal);
         for (v, bend) in found.iter().enumerate() {
             assert!(near(bend.values.map(|k| k / sphere.frame().diagonal), [1.0; 2], slack), "{v}: {bend:?}");
             let [u, w] = bend.directions;
-            let frame = [u.dot(w), u.length() - 1.0, w.length() - 1.0];
+            let frame = [u.dot(w), u.dot(normals[v]), w.dot(normals[v]), u.length() - 1.0, w.length() - 1.0];
             assert!(frame.iter().all(|x| x.abs() < 1e-9), "{v}: {frame:?}");
         }
     }
