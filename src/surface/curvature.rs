@@ -163,7 +163,8 @@ impl<'a> Measure<'a> {
         let mut sums: FxHashMap<[i64; 3], f64> = FxHashMap::default();
         for t in 0..surface.triangle_count() {
             let bend: f64 = (3 * t..3 * t + 3).map(|h| f64::from(self.turns[h]).abs() * surface.length(h as u32)).sum();
-            *sums.entry(cell_of(surface.points[surface.triangles[t][0] as usize].as_dvec3())).or_default() += bend / 2.0;
+            *sums.entry(cell_of(surface.points[surface.triangles[t][0] as usize].as_dvec3())).or_default() +=
+                bend / 2.0;
         }
         let about = |[x, y, z]: [i64; 3]| -> f64 {
             (0..27).filter_map(|i| sums.get(&[x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1])).sum()

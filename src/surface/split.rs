@@ -97,33 +97,22 @@ impl Split {
         let [a, b, c] = [0, 1, 2].map(|k| corner[(k + turn) % 3]);
         let sides = [0, 1, 2].map(|k| 3 * triangle + ((k + turn) % 3) as u32);
         let [ab, bc, ca] = [0, 1, 2].map(|k| middle[(k + turn) % 3]);
-        // Each part: its corners, and which of the triangle's sides, and which half of that, each of its edges is.
-        let (parts, halves): (Vec<[u32; 3]>, Vec<(usize, usize, u32)>) = match (ab, bc, ca) {
-            (None, ..) => (vec![[a, b, c]], vec![(0, 0, 0), (0, 1, 0), (1, 0, 1), (1, 1, 1), (2, 0, 2), (2, 1, 2)]),
-            (Some(m), None, _) => {
-                (vec![[a, m, c], [m, b, c]], vec![(0, 0, 0), (0, 1, 3), (1, 0, 4), (1, 1, 4), (2, 0, 2), (2, 1, 2)])
-            }
+        // The parts, and the place among their edges of each half of the sides.
+        let (parts, halves) = match (ab, bc, ca) {
+            (None, ..) => (vec![[a, b, c]], [0, 0, 1, 1, 2, 2]),
+            (Some(m), None, _) => (vec![[a, m, c], [m, b, c]], [0, 3, 4, 4, 2, 2]),
             (Some(m), Some(n), None) => {
                 let far = |v: u32, w: u32| self.points[v as usize].distance_squared(self.points[w as usize]);
                 if far(a, n) <= far(m, c) {
-                    (
-                        vec![[m, b, n], [a, m, n], [a, n, c]],
-                        vec![(0, 0, 3), (0, 1, 0), (1, 0, 1), (1, 1, 7), (2, 0, 8), (2, 1, 8)],
-                    )
+                    (vec![[m, b, n], [a, m, n], [a, n, c]], [3, 0, 1, 7, 8, 8])
                 } else {
-                    (
-                        vec![[m, b, n], [m, n, c], [a, m, c]],
-                        vec![(0, 0, 6), (0, 1, 0), (1, 0, 1), (1, 1, 4), (2, 0, 8), (2, 1, 8)],
-                    )
+                    (vec![[m, b, n], [m, n, c], [a, m, c]], [6, 0, 1, 4, 8, 8])
                 }
             }
-            (Some(m), Some(n), Some(o)) => (
-                vec![[a, m, o], [m, b, n], [o, n, c], [m, n, o]],
-                vec![(0, 0, 0), (0, 1, 3), (1, 0, 4), (1, 1, 7), (2, 0, 8), (2, 1, 2)],
-            ),
+            (Some(m), Some(n), Some(o)) => (vec![[a, m, o], [m, b, n], [o, n, c], [m, n, o]], [0, 3, 4, 7, 8, 2]),
         };
-        for (side, half, place) in halves {
-            self.parts[sides[side] as usize][half] = 3 * first + place;
+        for (i, place) in halves.into_iter().enumerate() {
+            self.parts[sides[i / 2] as usize][i % 2] = 3 * first + place;
         }
         self.sources.extend(std::iter::repeat_n(triangle, parts.len()));
         self.triangles.extend(parts);

@@ -117,9 +117,10 @@ impl<'a> Pieces<'a> {
     fn drop_piece(&mut self, id: u32) {
         let ends = self.take(id).and_then(|piece| piece.ends);
         for end in ends.into_iter().flatten() {
-            match *self.at[&end].as_slice() {
+            let left = self.at[&end].clone();
+            match *left {
                 [a, b] if a != b && self.goes_on(end, a, b) => self.merge(end, a, b),
-                ref others => others.to_vec().into_iter().for_each(|other| self.wait(other)),
+                _ => left.into_iter().for_each(|other| self.wait(other)),
             }
         }
     }
