@@ -6,15 +6,17 @@
 //! into quads.
 
 use crate::compute::{Backend, ComputeError};
-use crate::field::{Field, Guide};
+use crate::field::{Align, Field, FieldOptions};
 use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
 use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::fill::{Holes, fill};
+use crate::mesh::join::{Joined, join};
+use crate::mesh::regions::with_regions;
 use crate::mesh::smooth::smooth;
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Mesh, Triangulation};
 use crate::mosaic::{self, Effort, Layer, Mosaic};
-use crate::surface::{FeatureOptions, Soup, Surface, SurfaceError};
+use crate::surface::{FeatureOptions, NamedEdge, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -34,8 +36,10 @@ pub struct Options {
     pub fineness: Fineness,
     /// What counts as a feature.
     pub features: FeatureOptions,
-    /// Control vectors for the field.
-    pub guides: Vec<Guide>,
+    /// Edges of the surface that are features whatever their angle.
+    pub edges: Vec<NamedEdge>,
+    /// What draws the field beside features.
+    pub field: FieldOptions,
     /// When two tiles are connected.
     pub connect: ConnectOptions,
     /// What to do with holes.
@@ -52,7 +56,8 @@ impl Options {
         Self {
             fineness,
             features: FeatureOptions::default(),
-            guides: Vec::new(),
+            edges: Vec::new(),
+            field: FieldOptions::default(),
             connect: ConnectOptions::default(),
             holes: Holes::default(),
             cleanup: Some(CleanOptions::default()),
@@ -124,6 +129,8 @@ pub struct Outcome {
     pub before: Mesh,
     /// The mesh, in model units.
     pub mesh: Mesh,
+    /// Whether sheets of the surface meet at each of its vertices.
+    pub branches: Vec<bool>,
     /// Holes of the connected mosaic, before they were filled.
     pub holes: usize,
     /// What the clean-up did.
@@ -148,11 +155,10 @@ pub fn run(
     let mut clock = Clock { progress, times: Vec::new(), started: Instant::now() };
 
     clock.begin(Stage::Surface);
-    let surface = Surface::new(soup, &options.features)?;
-    let count = count(&surface, options.fineness)?;
+    let (surface, count) = prepare(soup, options)?;
 
     clock.begin(Stage::Field);
-    let field = Field::new(&surface, &options.guides, backend)?;
+    let field = field(&surface, count, options, backend)?;
 
     clock.begin(Stage::Mosaic);
     let mosaic = lay(&surface, &field, backend, count, &|share| progress(Stage::Mosaic, share))?;
@@ -175,12 +181,38 @@ pub fn run(
     };
 
     clock.begin(Stage::Smooth);
-    let below = triangulation.free_triangles(counts.as_ref().map(|counts| counts.kept.as_slice()));
+    let kept = counts.as_ref().map(|counts| counts.kept.as_slice());
+    let below = triangulation.free_triangles(kept);
     let smoothed = smooth(&surface, &cleaned, &below, options.smoothing);
+    let before = join(&filled, &triangulation.joints(None)).mesh;
+    let named = with_regions(&smoothed, &surface, &mosaic, &triangulation, kept);
+    let Joined { mesh, branches } = join(&named, &triangulation.joints(kept));
 
     let times = clock.finish();
-    let [before, mesh] = [filled, smoothed].map(|mesh| mesh.placed(surface.frame()));
-    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, holes, cleaned: counts, times })
+    let [before, mesh] = [before, mesh].map(|mesh| mesh.placed(surface.frame()));
+    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned: counts, times })
+}
+
+/// The surface, with the features that tiles so fine can show, and how many vertices are wanted.
+///
+/// # Errors
+/// Where the surface cannot be meshed or the fineness makes no sense.
+pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, usize), PipelineError> {
+    let features = &options.features;
+    let surface = Surface::new(soup, features)?.with_edges(soup, &options.edges, features)?;
+    let count = count(&surface, options.fineness)?;
+    let side = mosaic::side_for_count(&surface, count);
+    Ok((surface.fitted(features, side), count))
+}
+
+/// The field that `count` tiles would be laid along: curvature is seen at their scale.
+///
+/// # Errors
+/// Where the backend fails.
+pub fn field(surface: &Surface, count: usize, options: &Options, backend: &dyn Backend) -> Result<Field, ComputeError> {
+    let side = surface.frame().diagonal * f64::from(mosaic::side_for_count(surface, count));
+    let align = options.field.align.map(|align| Align { side: align.side.or(Some(side)), ..align });
+    Field::new(surface, &FieldOptions { align, ..options.field.clone() }, backend)
 }
 
 fn lay(

@@ -1,16 +1,19 @@
 //! What there is to say about a finished mesh, for a program to read; the command line prints the same for a person.
 
 use crate::compute::Backend;
-use crate::mesh::check::{Faults, check};
+use crate::field::{self, Field, GuideReport, Seat};
+use crate::mesh::check::{Faults, check_joined};
 use crate::mesh::clean::CleanCounts;
 use crate::mesh::quality::Quality;
 use crate::pipeline::{Fineness, Options, Outcome};
-use crate::surface::Repairs;
+use crate::surface::{Repairs, Surface};
 use serde::Serialize;
 use std::time::Duration;
 
 /// The version of [`Report`]'s fields. It grows when a field changes its meaning or goes; new fields leave it as it is.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
+
+const PROGRAM: &str = concat!("quadmosaic ", env!("CARGO_PKG_VERSION"));
 
 /// A run in figures.
 #[derive(Clone, Debug, Serialize)]
@@ -20,11 +23,13 @@ pub struct Report {
     /// The program's name and version.
     pub program: String,
     /// What was read.
-    pub input: Input,
+    pub surface: Input,
     /// What was asked for.
     pub asked: Asked,
     /// Where the heavy stages ran.
     pub backend: Device,
+    /// The cross field.
+    pub field: FieldFigures,
     /// The mosaic.
     pub mosaic: Tiles,
     /// Measures of the mesh before the clean-up and the smoothing.
@@ -79,6 +84,28 @@ pub struct Device {
     pub adapter: String,
 }
 
+/// The cross field.
+#[derive(Clone, Debug, Serialize)]
+pub struct FieldFigures {
+    /// Where the field turns about a point, in no order that matters.
+    pub singularities: Vec<Singularity>,
+    /// The sum of their indices: the Euler characteristic.
+    pub index_sum: f64,
+    /// What became of each guide.
+    pub guides: Vec<GuideReport>,
+}
+
+/// A point that the field turns about.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Singularity {
+    /// Where, in model units.
+    pub at: [f64; 3],
+    /// The turn of the field about it, in full turns: a multiple of a quarter.
+    pub index: f64,
+    /// Whether it is a corner of features, which carries it by its angles, and not the field's own.
+    pub on_feature: bool,
+}
+
 /// The mosaic.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Tiles {
@@ -106,21 +133,14 @@ impl Report {
         let times: Vec<Time> = outcome.times.iter().map(|&(stage, time)| Time::new(stage.name(), time)).collect();
         Self {
             version: VERSION,
-            program: concat!("quadmosaic ", env!("CARGO_PKG_VERSION")).to_owned(),
-            input: Input {
-                name: name.to_owned(),
-                triangles: surface.triangle_count(),
-                vertices: surface.vertex_count(),
-                diagonal: surface.frame().diagonal,
-                repairs: surface.repairs().clone(),
-                curves: surface.features().curves().len(),
-                corners: surface.features().corners().count(),
-            },
+            program: PROGRAM.to_owned(),
+            surface: Input::new(name, surface),
             asked: match options.fineness {
                 Fineness::Points(count) => Asked::Points(count),
                 Fineness::Size(size) => Asked::Size(size),
             },
-            backend: Device { name: backend.name(), adapter: backend.adapter() },
+            backend: Device::new(backend),
+            field: FieldFigures::new(surface, &outcome.field),
             mosaic: Tiles {
                 tiles: outcome.mosaic.count(),
                 on_features: outcome.mosaic.sites.len(),
@@ -129,7 +149,7 @@ impl Report {
             before: Quality::of(&outcome.before),
             mesh: Quality::of(&outcome.mesh),
             cleaned: outcome.cleaned.clone(),
-            faults: check(&outcome.mesh),
+            faults: check_joined(&outcome.mesh, &outcome.branches),
             total_milliseconds: total(&times),
             times,
         }
@@ -144,6 +164,70 @@ impl Report {
         self.times.extend(times(after));
         self.total_milliseconds = total(&self.times);
         self
+    }
+}
+
+/// A field in figures.
+#[derive(Clone, Debug, Serialize)]
+pub struct FieldReport {
+    /// [`VERSION`].
+    pub version: u32,
+    /// The program's name and version.
+    pub program: String,
+    /// What was read.
+    pub surface: Input,
+    /// Where the heavy stages ran.
+    pub backend: Device,
+    /// The cross field.
+    pub field: FieldFigures,
+}
+
+impl FieldReport {
+    /// Measures the field of the surface called `name`.
+    pub fn new(name: &str, backend: &dyn Backend, surface: &Surface, field: &Field) -> Self {
+        Self {
+            version: VERSION,
+            program: PROGRAM.to_owned(),
+            surface: Input::new(name, surface),
+            backend: Device::new(backend),
+            field: FieldFigures::new(surface, field),
+        }
+    }
+}
+
+impl Input {
+    fn new(name: &str, surface: &Surface) -> Self {
+        Self {
+            name: name.to_owned(),
+            triangles: surface.triangle_count(),
+            vertices: surface.vertex_count(),
+            diagonal: surface.frame().diagonal,
+            repairs: surface.repairs().clone(),
+            curves: surface.features().curves().len(),
+            corners: surface.features().corners().count(),
+        }
+    }
+}
+
+impl Device {
+    fn new(backend: &dyn Backend) -> Self {
+        Self { name: backend.name(), adapter: backend.adapter() }
+    }
+}
+
+impl FieldFigures {
+    fn new(surface: &Surface, field: &Field) -> Self {
+        let found = field.singularities(surface);
+        let singularity = |singularity: &field::Singularity| Singularity {
+            at: surface.frame().to_model(singularity.position),
+            index: singularity.index(),
+            on_feature: matches!(singularity.seat, Seat::Corner(_)),
+        };
+        Self {
+            singularities: found.iter().map(singularity).collect(),
+            index_sum: f64::from(found.iter().map(|singularity| singularity.quarters).sum::<i32>()) / 4.0,
+            guides: field.guides().to_vec(),
+        }
     }
 }
 

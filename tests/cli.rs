@@ -3,8 +3,9 @@
 use quadmosaic::mesh::{Mesh, read_mesh};
 use serde_json::Value;
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -28,13 +29,23 @@ impl Desk {
     }
 
     fn run(&self, arguments: &[&str]) -> Output {
+        self.fed(arguments, b"")
+    }
+
+    /// Runs it with these bytes on its standard input.
+    fn fed(&self, arguments: &[&str], input: &[u8]) -> Output {
         let mut program = Command::new(env!("CARGO_BIN_EXE_quadmosaic"));
         program.args(arguments);
         // What the machine has must not decide what is tested; drivers print messages of their own, too.
-        if arguments.first() == Some(&"mesh") {
+        if matches!(arguments.first(), Some(&("mesh" | "field"))) {
             program.args(["--backend", "cpu"]);
         }
-        program.current_dir(self.folder.path()).output().expect("the program starts")
+        program.current_dir(self.folder.path());
+        program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut program = program.spawn().expect("the program starts");
+        // It need not read it.
+        let _ = program.stdin.take().expect("it is piped").write_all(input);
+        program.wait_with_output().expect("the program ends")
     }
 
     /// What it prints, where it succeeds.
@@ -88,8 +99,8 @@ fn a_sphere_from_end_to_end() {
     let mesh = read_mesh(&desk.path("out.obj")).expect("it is a mesh");
     let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
 
-    assert_eq!(report["version"], 1);
-    assert_eq!(report["input"]["name"], "example:sphere:2000");
+    assert_eq!(report["version"], 2);
+    assert_eq!(report["surface"]["name"], "example:sphere:2000");
     assert_eq!(report["asked"]["points"], 500);
     assert_eq!(report["mesh"]["vertices"], mesh.points.len());
     assert_eq!(report["mesh"]["quads"], faces(&mesh, 4));
@@ -139,7 +150,7 @@ fn options_reach_the_mesher() {
     assert_eq!(mesh(&["--guides", "guides.csv"]), guided);
     for (name, changed) in [
         ("guide", guided),
-        ("guide below zero", mesh(&["--guide", "-0.2,0.2,0,-1,0.5,0,0.1"])),
+        ("guide below zero", mesh(&["--guide", "-0.05,0.2,0,-1,0.5,0,0.1"])),
         ("max-distance", mesh(&["--max-distance", "1.1"])),
         ("max-angle", mesh(&["--max-angle", "10"])),
         ("holes", mesh(&["--holes", "leave", "--max-angle", "10"])),
@@ -152,8 +163,48 @@ fn options_reach_the_mesher() {
         desk.said(&["mesh", "example:block:2000", "--crease", crease, "-o", "out.obj", "--report", "out.json"]);
         serde_json::from_slice::<Value>(&desk.bytes("out.json")).expect("it is JSON")
     };
-    assert_eq!(report("40")["input"]["corners"], 8);
-    assert_eq!(report("180")["input"]["corners"], 0);
+    assert_eq!(report("40")["surface"]["corners"], 8);
+    assert_eq!(report("180")["surface"]["corners"], 0);
+}
+
+#[test]
+fn standard_input_is_a_surface_as_any_file() {
+    let desk = Desk::new();
+    desk.said(&["example", "sphere", "--triangles", "600", "-o", "in.obj"]);
+    let surface = desk.bytes("in.obj");
+    let mesh = |input: &str, more: &[&str], fed: &[u8]| {
+        desk.fed(&[&["mesh", input, "--points", "100", "--quiet", "-o", "out.obj"], more].concat(), fed)
+    };
+    let good = |output: Output| {
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        desk.bytes("out.obj")
+    };
+    let named = good(mesh("in.obj", &[], b""));
+    for more in [&[][..], &["--format", "obj"], &["--format", "OBJ"]] {
+        assert_eq!(good(mesh("-", more, &surface)), named);
+    }
+    assert_eq!(good(mesh("in.obj", &["--format", "obj"], b"")), named);
+    fs::remove_file(desk.path("out.obj")).expect("it is there");
+
+    for (input, format, fed, code, message) in [
+        (
+            "-",
+            "stl",
+            &surface[..],
+            1,
+            "standard input was to be read as STL, but it is OBJ; leave the format out or say obj",
+        ),
+        ("in.obj", "ply", b"", 1, "in.obj was to be read as PLY, but it is OBJ"),
+        ("-", "obj", b"", 1, "standard input is empty"),
+        ("-", "obj", b"v 0 0 0\nf 1 1 2\n", 1, "standard input, line 2: the face uses vertex 2"),
+        ("-", "step", b"", 2, "the formats are obj, stl and ply"),
+        ("example:m6", "obj", b"", 2, "--format goes with a file or standard input only"),
+    ] {
+        let output = mesh(input, &["--format", format], fed);
+        assert_eq!(output.status.code(), Some(code), "{message}");
+        assert!(text(&output.stderr).contains(message), "{message}: {}", text(&output.stderr));
+        assert_eq!(desk.names(), ["in.obj"]);
+    }
 }
 
 #[test]
@@ -174,13 +225,22 @@ fn bad_inputs_are_refused_with_their_place() {
         ("points.obj", SQUARE.to_owned(), "points.obj has 4 vertices but no faces"),
         ("nan.obj", format!("{SQUARE}v 0 nan 0\nf 1 2 5\n"), "nan.obj, line 5: the coordinate \"nan\" is not finite"),
         ("index.obj", format!("{SQUARE}f 1 2 3\nf 1 2 9\n"), "index.obj, line 6: the face uses vertex 9"),
-        ("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_owned(), "flat.obj: the surface has no triangle"),
         (
-            "fins.obj",
-            format!("{SQUARE}v 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n"),
-            "fins.obj: 1 edges have more than two triangles",
+            "flat.obj",
+            "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_owned(),
+            "flat.obj: none of the 1 triangles has any area",
         ),
-        ("surface.stl", "solid".to_owned(), "surface.stl does not end in .obj"),
+        (
+            "band.obj",
+            format!("{SQUARE}v 0 0 1\nf 1 2 3\nf 2 3 4\nf 3 4 5\nf 4 5 1\nf 5 1 2\n"),
+            "band.obj: the surface is not orientable",
+        ),
+        (
+            "surface.obj",
+            "solid\nfacet normal 0 0 1\n".to_owned(),
+            "surface.obj, line 1: the file ends within the solid",
+        ),
+        ("cut.ply", "ply\nformat ascii 1.0\nelement".to_owned(), "cut.ply, line 1: the header begins here"),
     ];
     for (name, content, message) in files {
         desk.put(name, content);
@@ -202,12 +262,78 @@ fn bad_guides_are_refused_with_their_line() {
     desk.put("short.csv", "0,0,0,1,0,0\n0,0,0,1,0\n");
     desk.put("none.csv", "# x, y, z\n");
     for (name, message) in [
-        ("short.csv", "short.csv, line 2: a guide has 6 or 7 numbers"),
+        ("short.csv", "short.csv, line 2: a guide has 6 to 8 numbers"),
         ("none.csv", "none.csv holds no guide"),
         ("missing.csv", "missing.csv cannot be read"),
     ] {
         let said = desk.refusal(1, &["mesh", "example:plate", "--guides", name, "-o", "out.obj"]);
         assert!(said.contains(message), "{name}: {said}");
+    }
+}
+
+#[test]
+fn guides_without_effect_are_warned_of() {
+    let desk = Desk::new();
+    desk.put("guides.csv", "weight,x,y,z,dx,dy,dz\n# good\n,0.2,0.2,0,1,0.5,0\n2,0.2,0.2,0,0,0,1\n");
+    desk.put("strokes.json", "{\"strokes\": [{\"points\": [[0.1, 0.1, 5], [0.2, 0.1, 5]], \"radius\": 0.5}]}");
+    let run = |command: &str, output: &str| {
+        let far = "--guide=0.2,0.2,-2,1,0,0";
+        let more = ["--guides", "guides.csv", "--guides", "strokes.json", "--report", "out.json", "-q", "-o", output];
+        let output =
+            desk.run(&[&[command, "example:plate:2000", "--guide", "0.2,0.2,0,1,0,0,0.1,3", far], &more[..]].concat());
+        assert!(output.status.success());
+        text(&output.stderr)
+    };
+    for (command, output) in [("field", "out.vtk"), ("mesh", "out.obj")] {
+        let said = run(command, output);
+        let expected = [
+            "warning: --guide number 2: it is 2 away from the surface, more than 0.0283, and has no effect",
+            "warning: guides.csv, line 4: it points along the normal of the surface",
+            "warning: strokes.json, strokes[0]: it is 5 away from the surface, more than 0.5,",
+        ];
+        let warnings: Vec<&str> = said.lines().filter(|line| line.contains(": it ")).collect();
+        assert_eq!(warnings.len(), expected.len(), "{said}");
+        assert!(warnings.iter().zip(expected).all(|(line, part)| line.starts_with(part)), "{said}");
+        let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+        let guides = report["field"]["guides"].as_array().expect("a list");
+        let kinds: Vec<_> = guides.iter().map(|guide| guide["trouble"]["kind"].as_str()).collect();
+        assert_eq!(kinds, [None, Some("far"), None, Some("along_normal"), Some("far")]);
+        assert!(guides[0]["crosses"].as_u64() > Some(3) && guides[1]["crosses"] == 0);
+    }
+}
+
+#[test]
+fn the_field_is_written_for_paraview() {
+    let desk = Desk::new();
+    let said = desk.said(&["field", "example:sphere:2000", "-o", "out.vtk", "--report", "out.json"]);
+    assert!(said.contains("field     8 singularities, the sum of indices is 2"), "{said}");
+    assert!(desk.bytes("out.vtk").starts_with(b"# vtk DataFile Version 3.0\n"));
+    let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+    let list = report["field"]["singularities"].as_array().expect("a list");
+    assert_eq!(list.len(), 8);
+    for singularity in list {
+        let at: Vec<f64> = singularity["at"].as_array().expect("a place").iter().filter_map(Value::as_f64).collect();
+        let radius = at.iter().map(|x| x * x).sum::<f64>().sqrt();
+        // On the unit sphere, in the middle of a triangle.
+        assert!(singularity["index"] == 0.25 && (0.98..=1.0).contains(&radius), "{singularity}");
+    }
+    desk.said(&["field", "example:sphere:2000", "-o", "out.PLY"]);
+    assert!(desk.bytes("out.PLY").starts_with(b"ply\n"));
+    desk.said(&["field", "example:block:2000", "-o", "out.vtk"]);
+    let plain = desk.bytes("out.vtk");
+    for more in [&["--align", "curvature:2"][..], &["--crease", "5"], &["--guide", "0.85,0,0.5,1,0.3,0"]] {
+        desk.said(&[&["field", "example:block:2000", "-o", "out.vtk"], more].concat());
+        assert!(desk.bytes("out.vtk") != plain, "{more:?} change nothing");
+    }
+    for (more, message) in [
+        (&["--align", "2"][..], "write curvature:WEIGHT"),
+        (&["--align", "curvature:-1"], "write curvature:WEIGHT"),
+        (&["-o", "out.obj"], "it does not end in .vtk or .ply"),
+    ] {
+        let output: &[&str] = if more[0] == "-o" { &[] } else { &["-o", "out.vtk"] };
+        let arguments = [&["field", "example:sphere"], output, more];
+        let said = desk.refusal(2, &arguments.concat());
+        assert!(said.contains(message), "{said}");
     }
 }
 
@@ -264,7 +390,7 @@ fn wrong_usage_is_told_from_failure() {
         (&["--max-angle", "60"], "the angle is a number from 1 to 45"),
         (&["--max-distance", "0.5"], "the distance is a number from 1 to 10"),
         (&["--smoothing", "100000"], "write a whole number from 0 to 1000"),
-        (&["--guide", "0,0,0,1,0"], "a guide has 6 or 7 numbers"),
+        (&["--guide", "0,0,0,1,0"], "a guide has 6 to 8 numbers"),
         (&["--guide", "0,0,0,0,0,0"], "the direction (dx, dy, dz) is zero"),
         (&["--holes", "some"], "patterns, triangles, leave"),
     ] {
@@ -316,6 +442,16 @@ fn check_tells_good_from_broken() {
     assert!(text(&output.stdout).contains("vertex 0 lies on no face at (5.000000, 5.000000, 5.000000)"));
     assert!(text(&output.stdout).contains("edge 1-2 has two faces on the same side"));
     assert!(text(&output.stderr).starts_with("error: broken.obj has "), "{}", text(&output.stderr));
+    // STL repeats points; what is one vertex is checked as one.
+    let facets = [["0 0 0", "1 0 0", "0 1 0"], ["1 0 0", "1 1 0", "0 1 0"]].map(|corners| {
+        format!(
+            "facet normal 0 0 1\nouter loop\n{}endloop\nendfacet\n",
+            corners.map(|at| format!("vertex {at}\n")).concat()
+        )
+    });
+    desk.put("good", format!("solid\n{}endsolid\n", facets.concat()));
+    let said = desk.said(&["check", "good"]);
+    assert!(said.contains("vertices   4\n") && said.contains("no faults; Euler characteristic 1"), "{said}");
     let said = desk.refusal(1, &["check", "none.obj"]);
     assert!(said.contains("none.obj"), "{said}");
 }
@@ -324,7 +460,7 @@ fn check_tells_good_from_broken() {
 fn help_explains_every_subcommand() {
     let desk = Desk::new();
     let help = desk.said(&["--help"]);
-    for name in ["mesh", "example", "check", "devices"] {
+    for name in ["mesh", "field", "example", "check", "devices"] {
         assert!(help.contains(&format!("\n  {name}")), "{help}");
         assert!(desk.said(&[name, "--help"]).contains("Usage: quadmosaic"));
     }

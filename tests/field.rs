@@ -5,13 +5,13 @@ mod common;
 use common::surfaces::{EXAMPLES, example, flat, surface, unit_corners};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
-use quadmosaic::field::{Complex, Field, Guide};
+use quadmosaic::field::{Align, Complex, Field, FieldOptions, Guide, GuideTrouble, Seat};
 use quadmosaic::mosaic::sow;
 use quadmosaic::surface::{FeatureOptions, Soup, Surface};
 use std::f64::consts::FRAC_PI_2;
 
 fn field(surface: &Surface, guides: &[Guide]) -> Field {
-    Field::new(surface, guides, &Cpu).expect("the CPU does not fail")
+    Field::new(surface, &FieldOptions::guided(guides), &Cpu).expect("the CPU does not fail")
 }
 
 /// The angle of a cross from its representation number, in -pi/4..=pi/4.
@@ -40,13 +40,13 @@ fn on_a_rectangle_the_field_is_constant() {
         let mut soup = flat(30, 20, 0.1);
         soup.points.iter_mut().for_each(|p| *p = [c * p[0] - s * p[1], s * p[0] + c * p[1], 0.0]);
         let plate = surface(&soup);
-        let guide = Guide { point: soup.points[200], direction: [c, s, 0.0], radius: 0.0 };
+        let guide = Guide::vector(soup.points[200], [c, s, 0.0]);
         for guides in [&[][..], &[guide]] {
             let constant = field(&plate, guides);
             assert!(off(&plate, &constant, turn) < 1e-4, "{turn}: {}", off(&plate, &constant, turn));
         }
         // A guide against the sides bends it.
-        let against = Guide { direction: [(turn + 0.5).cos(), (turn + 0.5).sin(), 0.0], ..guide };
+        let against = Guide::vector(soup.points[200], [(turn + 0.5).cos(), (turn + 0.5).sin(), 0.0]);
         let bent = field(&plate, &[against]);
         assert!(off(&plate, &bent, turn) > 0.3, "the guide is followed at its point");
     }
@@ -64,7 +64,7 @@ fn developed(columns: usize, rows: usize, place: impl Fn(usize, usize) -> ([f64;
     let (points, plane): (Vec<_>, Vec<_>) =
         grid.points.iter().map(|p| place(p[0].round() as usize, p[1].round() as usize)).unzip();
     let laid_out = grid.triangles.iter().map(|corners| corners.map(|corner| plane[corner as usize])).collect();
-    Developed { soup: Soup { points, triangles: grid.triangles }, laid_out }
+    Developed { soup: Soup { points, triangles: grid.triangles, ..Soup::default() }, laid_out }
 }
 
 /// A tube of flat strips along z, a whole turn round; its ends are open.
@@ -121,7 +121,7 @@ fn on_developable_surfaces_the_field_is_constant() {
         // unit numbers of as many digits, and their errors add up over some hundred rows.
         assert!(off < 1e-4, "{name}: {off}");
         let middle = developed.soup.points[developed.soup.points.len() / 2];
-        let guide = Guide { point: middle, direction: [0.3, 0.2, 0.6], radius: 0.0 };
+        let guide = Guide::vector(middle, [0.3, 0.2, 0.6]);
         assert!(off_constant(&field(&surface, &[guide]), &developed.laid_out) > 0.1, "{name}: a guide bends it");
     }
 }
@@ -130,14 +130,15 @@ fn on_developable_surfaces_the_field_is_constant() {
 fn a_guide_is_followed_within_its_radius() {
     let soup = flat(40, 40, 1.0);
     let plate = surface(&soup);
-    let guide = Guide { point: [20.0, 20.0, 0.0], direction: [0.8, 0.6, 0.5], radius: 6.0 };
+    let centre = [20.0, 20.0, 0.0];
+    let guide = Guide::vector(centre, [0.8, 0.6, 0.5]).within(6.0);
     let guided = field(&plate, &[guide]);
     let turn = 0.6f64.atan2(0.8);
     let (mut inside, mut outside) = (0, 0);
     for tile in sow::sow(&plate, &guided, 0.01) {
         let at = DVec3::from(plate.frame().to_model(tile.position.map(f64::from)));
         let off = wrapped(f64::from(tile.axis[1]).atan2(f64::from(tile.axis[0])) - turn).abs();
-        let distance = at.distance(DVec3::from(guide.point));
+        let distance = at.distance(DVec3::from(centre));
         // A triangle reaches 1.5 beyond its corners.
         if distance < 4.5 {
             assert!(off < 1e-4, "{distance} from the guide's point: {off}");
@@ -156,9 +157,8 @@ fn across(columns: usize, degrees: f64) -> Vec<f64> {
     let soup = flat(2 * columns, rows, 1.0);
     let strip = surface(&soup);
     let (s, c) = degrees.to_radians().sin_cos();
-    let guides: Vec<Guide> = (0..=rows)
-        .map(|j| Guide { point: [columns as f64, j as f64, 0.0], direction: [c, s, 0.0], radius: 0.1 })
-        .collect();
+    let guides: Vec<Guide> =
+        (0..=rows).map(|j| Guide::vector([columns as f64, j as f64, 0.0], [c, s, 0.0]).within(0.1)).collect();
     let field = field(&strip, &guides);
     let mut found = vec![f64::NAN; columns + 1];
     for (t, corners) in soup.triangles.iter().enumerate() {
@@ -310,7 +310,8 @@ fn the_cross_follows_every_feature() {
     }
     // Where an edge is no feature, the field need not follow it.
     let soup = example("block", 4_000);
-    let smooth = Surface::new(&soup, &FeatureOptions { crease: 95.0, corner: 50.0 }).expect("an example");
+    let smooth =
+        Surface::new(&soup, &FeatureOptions { crease: 95.0, ..FeatureOptions::default() }).expect("an example");
     assert!(field(&smooth, &[]).sectors().quarters.iter().all(|&q| q == 0));
 }
 
@@ -337,7 +338,213 @@ fn the_field_is_the_same_every_time() {
     let once = crosses(1);
     assert_eq!(once, crosses(1));
     assert_eq!(once, crosses(2));
-    let guide = Guide { point: [0.9, 0.0, 0.5], direction: [1.0, 0.5, 0.0], radius: 0.0 };
+    let guide = Guide::vector([0.9, 0.0, 0.5], [1.0, 0.5, 0.0]);
     assert_ne!(once, field(&block, &[guide]).crosses());
     assert!(once.iter().all(|z| (f64::from(z[0]).hypot(f64::from(z[1])) - 1.0).abs() < 1e-6), "unit numbers");
+}
+
+#[test]
+fn singularities_add_up_to_the_euler_characteristic() {
+    for (name, characteristic, _) in EXAMPLES {
+        let soup = example(name, 4_000);
+        let surface = surface(&soup);
+        let field = field(&surface, &[]);
+        let found = field.singularities(&surface);
+        assert_eq!(found.iter().map(|s| s.quarters).sum::<i32>(), 4 * characteristic as i32, "{name}");
+        let in_triangles: i32 = found.iter().filter(|s| matches!(s.seat, Seat::Triangle(_))).map(|s| s.quarters).sum();
+        if name != "m6" {
+            let crosses = field.in_triangles();
+            assert_eq!(i64::from(in_triangles), total_quarters(&surface, crosses, &twins(&soup)), "{name}");
+        }
+        for singularity in &found {
+            assert_ne!(singularity.quarters, 0, "{name}");
+            let place = DVec3::from(singularity.position);
+            match singularity.seat {
+                Seat::Triangle(t) => {
+                    let corners = unit_corners(&soup, surface.frame(), t as usize);
+                    assert!(common::surfaces::distance(place, corners) < 1e-6, "{name}: {singularity:?}");
+                }
+                Seat::Corner(v) => assert!(surface.features().is_corner(v), "{name}: {singularity:?}"),
+            }
+        }
+        match name {
+            "sphere" => assert!(found.len() == 8 && found.iter().all(|s| s.index() == 0.25), "{found:?}"),
+            // Three right angles at each of eight corners; the bore has none.
+            "block" => {
+                let corners: Vec<_> = found.iter().filter(|s| matches!(s.seat, Seat::Corner(_))).collect();
+                assert!(corners.len() == 8 && corners.iter().all(|s| s.index() == 0.25), "{found:?}");
+                assert_eq!(in_triangles, -8);
+            }
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn without_features_the_field_alone_makes_up_the_euler_characteristic() {
+    for (name, characteristic) in [("fish_blub", 2), ("spot", 2), ("anchor", -6)] {
+        let Some(path) = common::shared(&format!("models/{name}.obj")) else { continue };
+        let soup = quadmosaic::surface::load::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        let smooth = FeatureOptions { crease: 180.0, ..FeatureOptions::default() };
+        let surface = Surface::new(&soup, &smooth).unwrap_or_else(|error| panic!("{error}"));
+        let found = field(&surface, &[]).singularities(&surface);
+        assert!(found.iter().all(|s| matches!(s.seat, Seat::Triangle(_))), "{name}: no features, no corners");
+        assert_eq!(found.iter().map(|s| s.quarters).sum::<i32>(), 4 * characteristic, "{name}");
+    }
+}
+
+/// The angle of a field's cross in degrees, against the x axis, in the triangle under a point of the plane z = 0.
+fn degrees_at(soup: &Soup, surface: &Surface, field: &Field, place: [f64; 2]) -> f64 {
+    let place = DVec3::from(surface.frame().to_unit([place[0], place[1], 0.0]));
+    let distance = |t: usize| common::surfaces::distance(place, unit_corners(soup, surface.frame(), t));
+    let t = (0..surface.triangle_count()).min_by(|&a, &b| distance(a).total_cmp(&distance(b))).expect("a triangle");
+    let corners = unit_corners(soup, surface.frame(), t);
+    let first = corners[1] - corners[0];
+    wrapped(angle(field.in_triangles()[t][0]) + first.y.atan2(first.x)).to_degrees()
+}
+
+#[test]
+fn a_weight_draws_the_field_part_of_the_way() {
+    let soup = flat(60, 60, 1.0);
+    let plate = surface(&soup);
+    let centre = [30.0, 30.0];
+    let guide = Guide::vector([30.0, 30.0, 0.0], [20f64.to_radians().cos(), 20f64.to_radians().sin(), 0.0]).within(6.0);
+    let with = |guide: Guide| degrees_at(&soup, &plate, &field(&plate, &[guide]), centre);
+    let found: Vec<f64> = [0.01, 0.1, 1.0, 10.0, 100.0].map(|weight| with(guide.clone().with_weight(weight))).to_vec();
+    assert!(found.windows(2).all(|pair| pair[0] < pair[1]), "{found:?}");
+    // As with conductances, ln(30 / 6) = 1.6 against 1 between the guide and the sides: 1.6 / 2.6 of the way.
+    assert!(found[0] < 2.0 && (6.0..16.0).contains(&found[2]) && found[4] > 19.5, "{found:?}");
+    assert!((with(guide.clone()) - 20.0).abs() < 1e-3, "without weight it is exact");
+    // What pulls both ways alike does not pull at all, and what is exact is not pulled.
+    let against = Guide::vector([30.0, 30.0, 0.0], [25f64.to_radians().cos(), -25f64.to_radians().sin(), 0.0]);
+    let soft = |guide: &Guide| guide.clone().within(6.0).with_weight(1.0);
+    let both = degrees_at(&soup, &plate, &field(&plate, &[soft(&guide), soft(&against)]), centre);
+    assert!(both.abs() < 0.5 * found[2], "{both} of two that disagree");
+    let exact = degrees_at(&soup, &plate, &field(&plate, &[guide.clone(), soft(&against)]), centre);
+    assert!((exact - 20.0).abs() < 1e-3, "{exact}");
+}
+
+#[test]
+fn a_stroke_guides_by_its_tangents() {
+    let soup = flat(60, 60, 1.0);
+    let plate = surface(&soup);
+    let on_arc = |degrees: f64| {
+        let (s, c) = degrees.to_radians().sin_cos();
+        [30.0 + 15.0 * c, 30.0 + 15.0 * s]
+    };
+    let points: Vec<_> = (0..=60).map(|i| on_arc(f64::from(i))).map(|[x, y]| [x, y, 0.0]).collect();
+    for radius in [0.0, 2.0] {
+        let guided = field(&plate, &[Guide::stroke(points.clone()).within(radius)]);
+        let report = &guided.guides()[0];
+        assert!(report.trouble.is_none() && report.crosses > 20, "{report:?}");
+        let off = |degrees: f64, field: &Field| {
+            let found = degrees_at(&soup, &plate, field, on_arc(degrees));
+            wrapped((found - degrees).to_radians()).to_degrees().abs()
+        };
+        // The corners of the triangle there are up to one away, where the tangent is 4 degrees another.
+        let worst = (5..=55).map(|i| off(f64::from(i), &guided)).fold(0.0, f64::max);
+        assert!(worst < 5.0, "{radius}: {worst}");
+        let plain = field(&plate, &[]);
+        assert!((5..=55).any(|i| off(f64::from(i), &plain) > 30.0), "the plain field does not follow the arc");
+    }
+}
+
+#[test]
+fn what_has_no_effect_is_reported() {
+    let plate = surface(&flat(41, 40, 1.0));
+    let troubles = [
+        (Guide::vector([20.0, 20.0, 0.5], [1.0, 1.0, 0.0]), None),
+        (Guide::vector([20.0, 20.0, 3.0], [1.0, 1.0, 0.0]), Some("far")),
+        (Guide::vector([20.0, 20.0, 3.0], [1.0, 1.0, 0.0]).within(4.0), None),
+        (Guide::vector([20.0, 20.0, 0.5], [1.0, 1.0, 0.0]).within(0.4), Some("far")),
+        (Guide::vector([20.0, 20.0, 0.0], [0.05, 0.0, 1.0]), Some("along_normal")),
+        (Guide::vector([20.0, 20.0, 0.0], [0.5, 0.0, 1.0]), None),
+        // A triangle that fills the plate's corner.
+        (Guide::vector([41.0, 0.0, 0.0], [1.0, 1.0, 0.0]), Some("on_features")),
+        (Guide::vector([41.0, 0.0, 0.0], [1.0, 1.0, 0.0]).within(3.0), None),
+        (Guide::stroke(vec![[5.0, 5.0, 0.0], [30.0, 30.0, 0.0]]), None),
+        (Guide::stroke(vec![[5.0, 5.0, 0.0], [30.0, 30.0, 20.0]]), Some("partly_far")),
+        (Guide::stroke(vec![[5.0, 5.0, 9.0], [30.0, 30.0, 9.0]]), Some("far")),
+    ];
+    let guides: Vec<Guide> = troubles.iter().map(|(guide, _)| guide.clone().named("north")).collect();
+    let guided = field(&plate, &guides);
+    assert_eq!(guided.guides().len(), troubles.len());
+    for (report, (guide, expected)) in guided.guides().iter().zip(&troubles) {
+        let kind = match &report.trouble {
+            None => None,
+            Some(GuideTrouble::Far { .. }) => Some("far"),
+            Some(GuideTrouble::PartlyFar { .. }) => Some("partly_far"),
+            Some(GuideTrouble::AlongNormal) => Some("along_normal"),
+            Some(GuideTrouble::OnFeatures) => Some("on_features"),
+            Some(_) => Some("another"),
+        };
+        assert_eq!(kind, *expected, "{guide:?}: {report:?}");
+        assert_eq!(report.name, "north");
+        assert_eq!(report.crosses == 0, matches!(kind, Some("far" | "along_normal" | "on_features")), "{report:?}");
+        if kind.is_some_and(|kind| kind != "partly_far") {
+            assert_eq!(field(&plate, std::slice::from_ref(guide)).crosses(), field(&plate, &[]).crosses(), "{guide:?}");
+        }
+    }
+    let Some(GuideTrouble::Far { distance, limit }) = guided.guides()[1].trouble else { panic!("it is far") };
+    // 2 % of the diagonal.
+    assert!((distance - 3.0).abs() < 1e-4 && (limit - 0.02 * 41f64.hypot(40.0)).abs() < 1e-4, "{distance} {limit}");
+}
+
+#[test]
+fn aligned_the_field_follows_curvature() {
+    // A torus' meridians and parallels are its lines of curvature; the size must not matter.
+    let off = |scale: f64, weight: Option<f64>| {
+        let mut soup = example("torus", 6_000);
+        soup.points.iter_mut().for_each(|p| *p = p.map(|x| x * scale));
+        let torus = surface(&soup);
+        let align = weight.map(|weight| Align { weight, side: None });
+        // Without it the field obeys a guide at 45 degrees on the side of positive x; the other side is measured.
+        let guide = Guide::vector([1.4 * scale, 0.0, 0.0], [0.0, 1.0, 1.0]);
+        let options = FieldOptions { align, ..FieldOptions::guided([guide]) };
+        let field = Field::new(&torus, &options, &Cpu).expect("the CPU does not fail");
+        let far = sow::sow(&torus, &field, 0.03).into_iter().filter(|tile| tile.position[0] < 0.0);
+        let off = far.map(|tile| {
+            let [at, axis] = [tile.position, tile.axis].map(|v| DVec3::from(v.map(f64::from)));
+            let parallel = DVec3::new(-at.y, at.x, 0.0).normalize();
+            let off = axis.dot(parallel).clamp(-1.0, 1.0).acos();
+            wrapped(off).abs().to_degrees()
+        });
+        off.fold(0.0, f64::max)
+    };
+    let aligned = off(1.0, Some(10.0));
+    assert!(aligned < 6.0, "{aligned}");
+    assert!((aligned - off(1e-3, Some(10.0))).abs() < 0.1, "{aligned}, small {}", off(1e-3, Some(10.0)));
+    assert!(off(1.0, None) > 10.0, "{}", off(1.0, None));
+    assert_eq!(off(1.0, Some(0.0)), off(1.0, None));
+    // A guide speaks louder, and so does a feature.
+    let block = surface(&example("block", 3_000));
+    let guide = Guide::vector([0.9, 0.0, 0.5], [1.0, 0.5, 0.0]);
+    let options = FieldOptions { guides: vec![guide.clone()], align: Some(Align { weight: 10.0, side: None }) };
+    let [both, alone] =
+        [options, FieldOptions::guided([guide])].map(|options| Field::new(&block, &options, &Cpu).expect("it works"));
+    let held = |sector: &usize| both.sectors().quarters[*sector] > 0;
+    assert!((0..both.crosses().len()).filter(held).all(|s| both.crosses()[s] == alone.crosses()[s]));
+    assert_ne!(both.crosses(), alone.crosses());
+}
+
+#[test]
+fn a_guide_stays_on_its_side_of_a_thin_part() {
+    // The wing is 0.07 thick there, and its edges 0.2 away.
+    let wing = surface(&example("m6", 6_000));
+    let [above, below] = [1.0, -1.0].map(|side| {
+        let guide = Guide::vector([0.45, 0.41, 0.033 * side], [1.0, 0.6, 0.0]).within(0.1);
+        field(&wing, &[guide])
+    });
+    let plain = field(&wing, &[]);
+    let turned = |field: &Field| -> Vec<f64> {
+        let pairs = field.crosses().iter().zip(plain.crosses());
+        pairs.map(|(a, b)| wrapped(angle(*a) - angle(*b)).abs()).collect()
+    };
+    let (above, below) = (turned(&above), turned(&below));
+    let [mut apart, mut both] = [0, 0];
+    for (a, b) in above.iter().zip(&below) {
+        apart += usize::from(a.max(*b) > 0.5 && a.min(*b) < 0.2);
+        both += usize::from(a.min(*b) > 0.5);
+    }
+    assert!(apart > 50 && both == 0, "{apart} crosses are turned by one of them, {both} by both");
 }

@@ -4,7 +4,7 @@ mod common;
 
 use common::surfaces::{EXAMPLES, example, surface};
 use quadmosaic::compute::{Backend, Cpu};
-use quadmosaic::field::Field;
+use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mesh::check::check;
 use quadmosaic::mesh::connect::{ConnectOptions, connect};
 use quadmosaic::mesh::fill::{Holes, fill};
@@ -19,7 +19,7 @@ const COUNT: usize = 1_000;
 
 fn tiled(name: &str) -> (Surface, Mosaic, Triangulation) {
     let surface = surface(&example(name, 4_000));
-    let field = Field::new(&surface, &[], &Cpu).expect("the CPU does not fail");
+    let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
     let ground = Cpu.ground(&surface, &field).expect("the CPU does not fail");
     let layer =
         Layer { surface: &surface, field: &field, ground: &*ground, effort: Effort::default(), progress: &|_| {} };

@@ -5,7 +5,7 @@ mod common;
 use common::surfaces::{EXAMPLES, example, surface, unit_corners};
 use glam::DVec3;
 use quadmosaic::compute::{Backend, Cpu};
-use quadmosaic::field::Field;
+use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mosaic::{Effort, Layer, Mosaic, Seat, Tile, seat, side_for_count, sow};
 use quadmosaic::surface::{Soup, Surface};
 use std::collections::HashSet;
@@ -19,7 +19,7 @@ fn laid(surface: &Surface, field: &Field, count: usize) -> Mosaic {
 }
 
 fn field(surface: &Surface) -> Field {
-    Field::new(surface, &[], &Cpu).expect("the CPU does not fail")
+    Field::new(surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail")
 }
 
 fn vector(v: [f32; 3]) -> DVec3 {

@@ -3,7 +3,7 @@
 mod common;
 
 use quadmosaic::compute::{Backend, Cpu};
-use quadmosaic::field::Field;
+use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::gpu::{Gpu, GpuBackend};
 use quadmosaic::mosaic::{Relaxation, Tile, seat, side_for_count, sow};
 use quadmosaic::surface::examples::Example;
@@ -12,7 +12,7 @@ use quadmosaic::surface::{FeatureOptions, Surface};
 fn example(name: &str) -> (Surface, Field) {
     let soup = name.parse::<Example>().unwrap().generate(3000);
     let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap();
-    let field = Field::new(&surface, &[], &Cpu).unwrap();
+    let field = Field::new(&surface, &FieldOptions::default(), &Cpu).unwrap();
     (surface, field)
 }
 

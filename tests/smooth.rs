@@ -3,7 +3,7 @@
 mod common;
 
 use quadmosaic::compute::{Backend, Cpu};
-use quadmosaic::field::{Complex, Field, Guide};
+use quadmosaic::field::{Complex, Field, FieldOptions, Guide};
 use quadmosaic::gpu::{Gpu, GpuBackend};
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Surface};
@@ -17,7 +17,7 @@ fn both(gpu: &Gpu, name: &str, guides: &[Guide]) -> [Vec<Complex>; 2] {
     let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap();
     let backend = GpuBackend::new(gpu).unwrap();
     let backends: [&dyn Backend; 2] = [&Cpu, &backend];
-    backends.map(|backend| Field::new(&surface, guides, backend).unwrap().crosses().to_vec())
+    backends.map(|backend| Field::new(&surface, &FieldOptions::guided(guides), backend).unwrap().crosses().to_vec())
 }
 
 /// What differs, the worst cross first. A software adapter must give the same bits. On a hardware one a sum may be rounded
@@ -46,7 +46,7 @@ fn the_field_is_the_same_on_every_example() {
 #[test]
 fn the_field_is_the_same_with_guides() {
     let Some(gpu) = common::gpu() else { return };
-    let guide = Guide { point: [1.4, 0.0, 0.0], direction: [0.0, 1.0, 1.0], radius: 0.2 };
+    let guide = Guide::vector([1.4, 0.0, 0.0], [0.0, 1.0, 1.0]).within(0.2);
     let [cpu, other] = both(gpu, "torus", &[guide]);
     let [unguided, _] = both(gpu, "torus", &[]);
     assert_ne!(cpu, unguided, "the guide does nothing");

@@ -5,7 +5,7 @@ mod common;
 use common::surfaces::{EXAMPLES, example, flat, scattered, surface, twisted_strip};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
-use quadmosaic::field::Field;
+use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mosaic::{Tile, seat, sow};
 use quadmosaic::surface::{FeatureOptions, Soup, Surface, SurfaceError};
 
@@ -13,12 +13,12 @@ use quadmosaic::surface::{FeatureOptions, Soup, Surface, SurfaceError};
 fn torn(soup: &Soup) -> Soup {
     let points = soup.triangles.iter().flatten().map(|&index| soup.points[index as usize]).collect();
     let triangles = (0..soup.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    Soup { points, triangles }
+    Soup { points, triangles, ..Default::default() }
 }
 
 /// Without creases and corners, features are the boundary's loops.
 fn boundary_only() -> FeatureOptions {
-    FeatureOptions { crease: 180.0, corner: 180.0 }
+    FeatureOptions { crease: 180.0, corner: 180.0, ..FeatureOptions::default() }
 }
 
 /// Vertices, edges, faces and boundary loops.
@@ -53,7 +53,7 @@ fn edge_count(soup: &Soup) -> usize {
 
 /// Tiles scattered over the surface: its normals and places, seen from outside the crate.
 fn samples(surface: &Surface) -> Vec<Tile> {
-    let field = Field::new(surface, &[], &Cpu).expect("the CPU does not fail");
+    let field = Field::new(surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
     sow::sow(surface, &field, 0.03)
 }
 
@@ -66,8 +66,8 @@ fn a_soup_of_loose_triangles_is_welded_into_the_example() {
         assert_eq!(found, [soup.points.len(), edge_count(&soup), soup.triangles.len(), loops], "{name}");
         assert_eq!(euler(found), characteristic, "{name}");
         let joined = 3 * soup.triangles.len() - soup.points.len();
-        assert_eq!(welded.repairs().welded_points, joined, "{name}");
-        assert_eq!(welded.repairs().flipped_triangles, 0, "{name}");
+        assert_eq!(welded.repairs().welded_points.count, joined, "{name}");
+        assert_eq!(welded.repairs().flipped_triangles.count, 0, "{name}");
     }
 }
 
@@ -98,7 +98,7 @@ fn random_orientation_is_mended() {
             }
         }
         let [whole, mended] = [&soup, &mixed].map(new);
-        assert_eq!(mended.repairs().flipped_triangles, turned, "{name}");
+        assert_eq!(mended.repairs().flipped_triangles.count, turned, "{name}");
         let found = counts(&mended);
         assert_eq!((euler(found), found[3]), (characteristic, loops), "{name}");
         // The same triangles, looking the same way.
@@ -119,13 +119,13 @@ fn an_inward_sphere_is_turned_outward() {
     let mut soup = example("sphere", 1_000);
     soup.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     let turned = surface(&soup);
-    assert_eq!(turned.repairs().flipped_triangles, soup.triangles.len());
+    assert_eq!(turned.repairs().flipped_triangles.count, soup.triangles.len());
     let tiles = samples(&turned);
     assert!(outward(&tiles));
     // An open surface has no outside: with one triangle less it stays as it was given.
     soup.triangles.pop();
     let open = surface(&soup);
-    assert_eq!(open.repairs().flipped_triangles, 0);
+    assert_eq!(open.repairs().flipped_triangles.count, 0);
     assert!(!outward(&samples(&open)));
 }
 
@@ -138,7 +138,10 @@ fn duplicates_and_degenerate_triangles_are_dropped_and_counted() {
     soup.points.extend([[9.0, 9.0, 9.0], [0.0, 0.0, 0.0]]);
     let mended = new(&soup);
     let repairs = mended.repairs();
-    assert_eq!((repairs.duplicate_triangles, repairs.degenerate_triangles, repairs.unused_points), (3, 2, 2));
+    assert_eq!(
+        (repairs.duplicate_triangles.count, repairs.degenerate_triangles.count, repairs.unused_points.count),
+        (3, 2, 2)
+    );
     assert_eq!(counts(&mended), counts(&new(&clean)));
     assert_eq!(mended.frame(), new(&clean).frame(), "points that no triangle uses have no part in the frame");
 }
@@ -151,35 +154,112 @@ fn tetrahedron(first: u32) -> [[u32; 3]; 4] {
 fn a_bow_tie_becomes_two_vertices() {
     let corner = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mirrored = corner.map(|p| p.map(|x| -x));
-    let mut soup = Soup { points: corner.to_vec(), triangles: tetrahedron(0).to_vec() };
+    let mut soup = Soup { points: corner.to_vec(), triangles: tetrahedron(0).to_vec(), ..Soup::default() };
     soup.points.extend(mirrored);
     soup.triangles.extend(tetrahedron(4));
     let apart = new(&soup);
-    assert_eq!((apart.vertex_count(), apart.repairs().split_vertices, apart.repairs().welded_points), (8, 1, 1));
+    assert_eq!(
+        (apart.vertex_count(), apart.repairs().joined_vertices.count, apart.repairs().welded_points.count),
+        (8, 1, 1)
+    );
     assert_eq!(euler(counts(&apart)), 4, "two spheres");
-    assert_eq!(apart.repairs().flipped_triangles, 4, "the mirror image looks inward as it is given");
+    assert_eq!(apart.repairs().flipped_triangles.count, 4, "the mirror image looks inward as it is given");
     // Moved apart they touch no more.
     soup.points[4..].iter_mut().for_each(|p| p[0] -= 1.0);
-    assert_eq!(new(&soup).repairs().split_vertices, 0);
+    assert_eq!(new(&soup).repairs().joined_vertices.count, 0);
+}
+
+/// Three pages at one spine.
+fn book() -> Soup {
+    Soup {
+        points: vec![[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]],
+        triangles: vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]],
+        ..Soup::default()
+    }
 }
 
 #[test]
-fn what_is_no_manifold_is_refused_by_name() {
-    let mut book = Soup {
-        points: vec![[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]],
-        triangles: vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]],
-    };
-    match Surface::new(&book, &FeatureOptions::default()) {
-        Err(SurfaceError::NonManifoldEdge { count: 1, from, to }) => {
-            let mut ends = [from, to].map(|p| p.map(|x| (x * 1e6).round() / 1e6));
-            ends.sort_by(|a, b| a[2].total_cmp(&b[2]));
-            assert_eq!(ends, [book.points[0], book.points[1]]);
-        }
-        other => panic!("three pages at one edge: {other:?}"),
-    }
-    book.triangles.pop();
-    assert_eq!(euler(counts(&new(&book))), 1, "two pages are a surface");
+fn sheets_that_meet_at_an_edge_are_cut_there_and_told() {
+    let apart = new(&book());
+    assert_eq!(apart.vertex_count(), 9, "each page has its own ends of the spine");
+    let repairs = apart.repairs();
+    assert_eq!((repairs.joined_edges.count, repairs.joined_vertices.count), (1, 4));
+    let place = repairs.joined_edges.at[0].map(|x| (x * 1e6).round() / 1e6);
+    assert_eq!(place, [0.0, 0.0, 0.5], "the middle of the spine");
+    let mut two = book();
+    two.triangles.pop();
+    let whole = new(&two);
+    assert_eq!((whole.repairs().joined_edges.count, whole.vertex_count()), (0, 4), "two pages are one sheet");
+}
 
+/// A box of one cell along x from `from` to `to`, its cross-section the unit square moved by `shift` along y.
+fn cell(soup: &mut Soup, from: f64, to: f64, shift: f64) {
+    let first = soup.points.len() as u32;
+    for x in [from, to] {
+        soup.points.extend([[x, shift, 0.0], [x, shift + 1.0, 0.0], [x, shift + 1.0, 1.0], [x, shift, 1.0]]);
+    }
+    let quads = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    for [a, b, c, d] in quads.map(|quad| quad.map(|v| v + first)) {
+        soup.triangles.extend([[a, b, c], [a, c, d]]);
+    }
+}
+
+#[test]
+fn solids_in_contact_stay_solids() {
+    // Two boxes that share an edge: four triangles meet there, and each box keeps its own two.
+    let mut soup = Soup::default();
+    cell(&mut soup, 0.0, 1.0, 0.0);
+    cell(&mut soup, 1.0, 2.0, 1.0);
+    for turned in [false, true] {
+        let mut soup = soup.clone();
+        if turned {
+            soup.triangles.iter_mut().skip(12).for_each(|t| t.swap(1, 2));
+        }
+        let boxes = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(boxes.repairs().joined_edges.count, 1, "turned: {turned}");
+        if !turned {
+            assert_eq!(boxes.vertex_count(), 16);
+            assert_eq!(boxes.boundary_length(), 0.0, "both are closed");
+            assert_eq!(boxes.features().curves().len(), 24);
+        }
+    }
+}
+
+#[test]
+fn a_triangle_without_height_is_flipped_away() {
+    let mut soup = example("block", 2_000);
+    let whole = new(&soup);
+    // A point on the longest edge of one triangle makes a cap beside it.
+    let [a, b, c] = soup.triangles[7];
+    let middle = soup.points.len() as u32;
+    let between = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|k| (p[k] + q[k]) / 2.0);
+    soup.points.push(between(soup.points[a as usize], soup.points[b as usize]));
+    soup.triangles[7] = [middle, b, c];
+    soup.triangles.extend([[a, middle, c], [a, b, middle]]);
+    let mended = new(&soup);
+    assert_eq!(mended.repairs().flipped_caps.count, 1);
+    assert_eq!(euler(counts(&mended)), euler(counts(&whole)));
+    assert!((mended.area() - whole.area()).abs() < 1e-6);
+    assert_eq!(whole.repairs().flipped_caps.count, 0);
+}
+
+#[test]
+fn a_part_too_small_to_have_a_shape_is_dropped_and_told() {
+    let soup = example("sphere", 1_000);
+    let whole = new(&soup);
+    for (size, dropped) in [(1e-6, 1), (1e-3, 0)] {
+        let first = soup.points.len() as u32;
+        let mut two = soup.clone();
+        two.points.extend([[0.0, 0.0, 0.0], [size, 0.0, 0.0], [0.0, size, 0.0], [0.0, 0.0, size]]);
+        two.triangles.extend(tetrahedron(first));
+        let mended = new(&two);
+        assert_eq!(mended.repairs().dropped_specks.count, dropped, "{size}");
+        assert_eq!(euler(counts(&mended)), if dropped == 1 { euler(counts(&whole)) } else { 4 }, "{size}");
+    }
+}
+
+#[test]
+fn what_is_no_surface_is_refused_by_name() {
     let refused = |soup: &Soup| matches!(Surface::new(soup, &boundary_only()), Err(SurfaceError::NotOrientable { .. }));
     assert!(refused(&twisted_strip(24, 1)), "a Moebius strip has one side");
     let annulus = twisted_strip(24, 2);
@@ -198,7 +278,7 @@ fn closed_grid(mirrored: bool) -> Soup {
     };
     let mut random = scattered(3);
     let mut soup =
-        Soup { points: (0..count * count).map(|_| [random(), random(), random()]).collect(), triangles: vec![] };
+        Soup { points: (0..count * count).map(|_| [random(), random(), random()]).collect(), ..Soup::default() };
     for j in 0..count {
         for i in 0..count {
             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
@@ -217,8 +297,8 @@ fn what_cannot_be_computed_with_is_refused_by_name() {
         Surface::new(&soup, &FeatureOptions::default()).err()
     };
     assert_eq!(refusal(|_| {}), None);
-    assert_eq!(refusal(|s| s.triangles.clear()), Some(SurfaceError::Empty { given: 0 }));
-    assert_eq!(refusal(|s| s.points.fill([1.0; 3])), Some(SurfaceError::Empty { given: 8 }));
+    assert_eq!(refusal(|s| s.triangles.clear()), Some(SurfaceError::Empty));
+    assert_eq!(refusal(|s| s.points.fill([1.0; 3])), Some(SurfaceError::NoArea { given: 8 }));
     assert_eq!(refusal(|s| s.points[4][1] = f64::NAN), Some(SurfaceError::NotFinite { point: 4 }));
     assert_eq!(refusal(|s| s.points[4][1] = 1e200), Some(SurfaceError::NotFinite { point: 4 }));
     let past = SurfaceError::IndexOutOfRange { triangle: 3, index: 9, points: 9 };
@@ -288,9 +368,9 @@ fn the_frame_maps_there_and_back() {
 
 /// All vertices' places in unit-sized coordinates: with every edge a crease each vertex is a corner and seats a tile.
 fn places(soup: &Soup) -> Vec<DVec3> {
-    let surface = Surface::new(soup, &FeatureOptions { crease: 1e-2, corner: 50.0 }).expect("a sphere");
+    let surface = Surface::new(soup, &FeatureOptions { crease: 1e-2, ..FeatureOptions::default() }).expect("a sphere");
     assert_eq!(surface.features().corners().count(), surface.vertex_count());
-    let field = Field::new(&surface, &[], &Cpu).expect("the CPU does not fail");
+    let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
     let (sites, tiles) = seat::seat(&surface, &field, 1.0);
     assert_eq!(sites.len(), surface.vertex_count(), "no edge is long enough for a tile of its own");
     sites.iter().map(|site| DVec3::from(tiles[site.first_side as usize].position.map(f64::from))).collect()

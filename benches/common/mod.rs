@@ -3,7 +3,7 @@
 
 use criterion::Criterion;
 use quadmosaic::compute::{Backend, Cpu};
-use quadmosaic::field::Field;
+use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mesh::connect::{ConnectOptions, connect};
 use quadmosaic::mesh::fill::{Holes, fill};
 use quadmosaic::mesh::triangulate::triangulate;
@@ -35,7 +35,7 @@ pub fn surface() -> Surface {
 }
 
 pub fn field(surface: &Surface) -> Field {
-    Field::new(surface, &[], &Cpu).expect("the CPU does not fail")
+    Field::new(surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail")
 }
 
 pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {

@@ -1,6 +1,8 @@
 //! The choice of where the heavy stages run.
 
-use clap::ValueEnum;
+use super::mesh::up_to;
+use anyhow::Context;
+use clap::{Args, ValueEnum};
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::gpu::{Gpu, GpuBackend, adapters};
 
@@ -16,6 +18,41 @@ pub enum Choice {
     Gpu,
 }
 
+/// The arguments that say where the heavy stages run.
+#[derive(Args)]
+pub struct Machine {
+    /// Where the heavy stages run
+    #[arg(long, value_enum, default_value_t, help_heading = "Machine")]
+    backend: Choice,
+    /// The GPU whose name contains this text (see `quadmosaic devices`)
+    #[arg(long, value_name = "NAME", help_heading = "Machine")]
+    adapter: Option<String>,
+    /// Threads on the CPU, up to 1024; 0: as many as there are cores. The result is the same for any number
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>, help_heading = "Machine")]
+    threads: usize,
+}
+
+impl Machine {
+    /// Starts as many threads as were asked for.
+    ///
+    /// # Errors
+    /// Where they cannot be started.
+    pub fn start_threads(&self) -> anyhow::Result<()> {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads)
+            .build_global()
+            .context("the threads cannot be started; ask for fewer with --threads")
+    }
+
+    /// Opens the device that was asked for.
+    ///
+    /// # Errors
+    /// As [`Device::open`].
+    pub fn open(&self) -> anyhow::Result<Device> {
+        Device::open(self.backend, self.adapter.as_deref())
+    }
+}
+
 /// What the heavy stages run on.
 pub enum Device {
     Cpu,
@@ -27,7 +64,7 @@ impl Device {
     ///
     /// # Errors
     /// Where there is no such adapter, or it cannot be opened.
-    pub fn open(choice: Choice, adapter: Option<&str>) -> anyhow::Result<Self> {
+    fn open(choice: Choice, adapter: Option<&str>) -> anyhow::Result<Self> {
         let gpu = match choice {
             Choice::Gpu => true,
             Choice::Cpu => false,

@@ -15,8 +15,8 @@ use std::path::PathBuf;
 /// more than two faces, faces that are turned over, repeated, degenerate or concave. The exit code is 1 where there is one.
 #[derive(Args)]
 pub struct Arguments {
-    /// The mesh, as Wavefront OBJ
-    #[arg(value_name = "MESH.obj")]
+    /// The mesh: an OBJ, PLY or STL file, told apart by content
+    #[arg(value_name = "MESH")]
     mesh: PathBuf,
 }
 

@@ -1,9 +1,11 @@
-//! What is meshed: a file, or an example surface by name.
+//! What is meshed: a file, standard input, or an example surface by name.
 
+use clap::{Args, CommandFactory, error::ErrorKind};
 use quadmosaic::surface::Soup;
 use quadmosaic::surface::examples::Example;
-use quadmosaic::surface::load::{self, LoadError};
+use quadmosaic::surface::load::{self, Format};
 use std::fmt;
+use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -11,48 +13,71 @@ use std::str::FromStr;
 /// How many triangles an example can be asked for.
 pub const TRIANGLES: RangeInclusive<usize> = 1..=20_000_000;
 
-/// Where the surface comes from.
-#[derive(Clone, Debug)]
-pub enum Input {
-    File(PathBuf),
-    Example { name: String, example: Example, triangles: usize },
+/// The arguments that name a surface.
+#[derive(Args)]
+pub struct Source {
+    /// The surface: an OBJ, STL or PLY file, told apart by content; -: standard input; or an example: example:NAME or
+    /// example:NAME:TRIANGLES, NAME one of m6, torus, sphere, plate, block
+    #[arg(value_name = "IN")]
+    input: Input,
+    /// The format of IN, where its content leaves it open: obj, stl or ply
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
 }
 
-impl Input {
+impl Source {
     /// The triangles.
     ///
     /// # Errors
-    /// [`LoadError`] names the file.
-    pub fn read(&self) -> Result<Soup, LoadError> {
-        match self {
-            Self::File(path) => load::read(path),
-            Self::Example { example, triangles, .. } => Ok(example.generate(*triangles)),
-        }
+    /// Where they cannot be read; the message names the file.
+    pub fn read(&self) -> anyhow::Result<Soup> {
+        let name = self.to_string();
+        Ok(match &self.input {
+            Input::File(path) => load::read_as(path, self.format)?,
+            Input::Standard => load::read_stream(io::stdin().lock(), &name, self.format)?,
+            Input::Example { .. } if self.format.is_some() => {
+                let message = "--format goes with a file or standard input only";
+                return Err(super::Arguments::command().error(ErrorKind::ArgumentConflict, message).into());
+            }
+            Input::Example { example, triangles, .. } => example.generate(*triangles),
+        })
     }
 
     /// The path, where it is a file.
     pub fn path(&self) -> Option<&Path> {
-        match self {
-            Self::File(path) => Some(path),
-            Self::Example { .. } => None,
+        match &self.input {
+            Input::File(path) => Some(path),
+            _ => None,
         }
     }
 }
 
-impl fmt::Display for Input {
+impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(path) => write!(f, "{}", path.display()),
-            Self::Example { name, .. } => write!(f, "{name}"),
+        match &self.input {
+            Input::File(path) => write!(f, "{}", path.display()),
+            Input::Standard => write!(f, "standard input"),
+            Input::Example { name, .. } => write!(f, "{name}"),
         }
     }
+}
+
+/// Where a surface comes from.
+#[derive(Clone, Debug)]
+enum Input {
+    File(PathBuf),
+    Standard,
+    Example { name: String, example: Example, triangles: usize },
 }
 
 impl FromStr for Input {
     type Err = String;
 
-    /// `example:NAME`, `example:NAME:TRIANGLES`, or a path.
+    /// `-`, `example:NAME`, `example:NAME:TRIANGLES`, or a path.
     fn from_str(text: &str) -> Result<Self, String> {
+        if text == "-" {
+            return Ok(Self::Standard);
+        }
         let Some(wanted) = text.strip_prefix("example:") else { return Ok(Self::File(text.into())) };
         let (name, triangles) = match wanted.split_once(':') {
             Some((name, count)) => (name, self::triangles(count)?),

@@ -1,19 +1,20 @@
 //! `quadmosaic mesh`.
 
-use super::backend::{Choice, Device};
-use super::input::Input;
-use super::output::{expect_writable, obj_path, print};
+use super::backend::Machine;
+use super::fineness::Wanted;
+use super::input::Source;
+use super::output::{expect_writable, obj_path, print, write_json};
+use super::rows::{Rows, warn_of};
 use super::summary;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
-use quadmosaic::export::{atomic, write_obj};
-use quadmosaic::field::{Guide, read_guides};
+use quadmosaic::export::write_obj;
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::fill;
-use quadmosaic::pipeline::{self, Fineness, Options, POINTS, Stage};
+use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
-use quadmosaic::surface::FeatureOptions;
+use quadmosaic::surface::{Repairs, shown};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -25,30 +26,16 @@ use std::time::{Duration, Instant};
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The surface: a Wavefront OBJ file, or an example: example:NAME or example:NAME:TRIANGLES, NAME one of m6, torus,
-    /// sphere, plate, block
-    #[arg(value_name = "IN")]
-    input: Input,
+    #[command(flatten)]
+    source: Source,
     /// Where the mesh goes; there is either a whole mesh or no file
     #[arg(short, long, value_name = "OUT.obj", value_parser = obj_path)]
     output: PathBuf,
 
-    /// Number of vertices wanted, 4 to 50000000 [default: 6000]
-    #[arg(long, value_name = "N", value_parser = points, conflicts_with = "size", help_heading = "Fineness")]
-    points: Option<usize>,
-    /// Instead of --points: the edge length wanted, in model units
-    #[arg(long, value_name = "H", value_parser = positive, help_heading = "Fineness")]
-    size: Option<f64>,
-
-    /// Dihedral angle in degrees (1 to 180) over which an edge is a crease that the mesh keeps; 180: none is
-    #[arg(long, value_name = "ANGLE", default_value_t = 40.0, value_parser = degrees::<180>, help_heading = "Rows")]
-    crease: f64,
-    /// A guide: rows run along DX,DY,DZ near the point X,Y,Z, and within the distance R of it. May be given many times
-    #[arg(long = "guide", value_name = "X,Y,Z,DX,DY,DZ[,R]", allow_hyphen_values = true, help_heading = "Rows")]
-    guides: Vec<Guide>,
-    /// Guides from a file: 6 or 7 numbers a line, apart by commas or blanks; # begins a comment, a header line may be first
-    #[arg(long = "guides", value_name = "FILE", help_heading = "Rows")]
-    guide_files: Vec<PathBuf>,
+    #[command(flatten)]
+    wanted: Wanted,
+    #[command(flatten)]
+    rows: Rows,
 
     /// L: the longest edge, in tile sides (1 to 10)
     #[arg(long, value_name = "L", default_value_t = 1.6, value_parser = distance, help_heading = "Connection")]
@@ -72,15 +59,8 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
     smoothing: usize,
 
-    /// Where the heavy stages run
-    #[arg(long, value_enum, default_value_t, help_heading = "Machine")]
-    backend: Choice,
-    /// The GPU whose name contains this text (see `quadmosaic devices`)
-    #[arg(long, value_name = "NAME", help_heading = "Machine")]
-    adapter: Option<String>,
-    /// Threads on the CPU, up to 1024; 0: as many as there are cores. The mesh is the same for any number
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>, help_heading = "Machine")]
-    threads: usize,
+    #[command(flatten)]
+    machine: Machine,
 
     /// Write what is printed, and more, as JSON
     #[arg(long, value_name = "FILE.json")]
@@ -95,7 +75,7 @@ Examples:
   The ONERA M6 wing with 6000 vertices:
     quadmosaic mesh example:m6 --points 6000 -o m6.obj
   Edges of 20 mm on a model in metres, rows along x near the point 1,0,0.5, figures as JSON:
-    quadmosaic mesh car.obj --size 0.02 --guide 1,0,0.5,1,0,0 --report car.json -o quads.obj";
+    quadmosaic mesh car.stl --size 0.02 --guide 1,0,0.5,1,0,0 --report car.json -o quads.obj";
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum Holes {
@@ -108,18 +88,15 @@ enum Holes {
     Leave,
 }
 
-pub fn run(arguments: Arguments) -> anyhow::Result<()> {
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.expect_writable()?;
     let options = arguments.options()?;
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads)
-        .build_global()
-        .context("the threads cannot be started; ask for fewer with --threads")?;
-    let name = arguments.input.to_string();
+    arguments.machine.start_threads()?;
+    let name = arguments.source.to_string();
 
-    let (soup, reading) = timed(|| arguments.input.read());
+    let (soup, reading) = timed(|| arguments.source.read());
     let soup = soup?;
-    let (device, opening) = timed(|| Device::open(arguments.backend, arguments.adapter.as_deref()));
+    let (device, opening) = timed(|| arguments.machine.open());
     let device = device?;
     let (backend, compiling) = timed(|| device.backend());
     let backend = backend?;
@@ -137,14 +114,13 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         &[("measure", measuring), ("write", writing)],
     );
     if let Some(path) = &arguments.report {
-        atomic(path, |writer| {
-            serde_json::to_writer_pretty(&mut *writer, &report)?;
-            writeln!(writer)
-        })?;
+        write_json(path, &report)?;
     }
     if !arguments.quiet {
         print(&summary::of_run(&report))?;
     }
+    warn_of(outcome.field.guides());
+    warn_of_repairs(&report.surface.repairs);
     if !report.faults.is_clean() {
         eprintln!("warning: {} has {}", arguments.output.display(), report.faults);
     }
@@ -152,6 +128,24 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         eprintln!("warning: {warning}");
     }
     Ok(())
+}
+
+/// Tells what the mesh has or lacks that a reader of the file may not expect.
+fn warn_of_repairs(repairs: &Repairs) {
+    if let Some(place) = repairs.joined_edges.at.first() {
+        let edges = summary::counted(repairs.joined_edges.count, "edge");
+        eprintln!(
+            "warning: {edges} of more than two triangles, the first at {}; sheets meet there, in the mesh too",
+            shown(place)
+        );
+    }
+    if let Some(place) = repairs.dropped_specks.at.first() {
+        let parts = summary::counted(repairs.dropped_specks.count, "part");
+        eprintln!(
+            "warning: {parts} too small to have a shape left out, the first at {}; mesh small parts apart",
+            shown(place)
+        );
+    }
 }
 
 /// A count is told to be wrong where it misses by more than this share.
@@ -172,7 +166,7 @@ fn count_warning(report: &Report) -> Option<String> {
 impl Arguments {
     /// Before long work: that what it makes can be kept.
     fn expect_writable(&self) -> anyhow::Result<()> {
-        let mut taken: Vec<&Path> = self.input.path().into_iter().collect();
+        let mut taken: Vec<&Path> = self.source.path().into_iter().collect();
         for path in [&self.output].into_iter().chain(&self.report) {
             expect_writable(path, &taken)?;
             taken.push(path);
@@ -181,18 +175,11 @@ impl Arguments {
     }
 
     fn options(&self) -> anyhow::Result<Options> {
-        let fineness = match (self.points, self.size) {
-            (_, Some(size)) => Fineness::Size(size),
-            (points, None) => Fineness::Points(points.unwrap_or(6000)),
-        };
-        let mut guides = self.guides.clone();
-        for file in &self.guide_files {
-            guides.extend(read_guides(file)?);
-        }
-        let defaults = Options::new(fineness);
+        let defaults = Options::new(self.wanted.fineness());
         Ok(Options {
-            features: FeatureOptions { crease: self.crease, ..defaults.features },
-            guides,
+            features: self.rows.features(),
+            edges: self.rows.edges()?,
+            field: self.rows.field()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {
                 Holes::Patterns => fill::Holes::Patterns,
@@ -230,17 +217,12 @@ impl Progress {
     }
 }
 
-fn points(text: &str) -> Result<usize, String> {
-    let refusal = || format!("ask for {} to {} vertices", POINTS.start(), POINTS.end());
-    text.parse().ok().filter(|count| POINTS.contains(count)).ok_or_else(refusal)
-}
-
-fn positive(text: &str) -> Result<f64, String> {
+pub fn positive(text: &str) -> Result<f64, String> {
     let length = text.parse::<f64>().ok().filter(|length| length.is_finite() && *length > 0.0);
     length.ok_or_else(|| "a length is a number above 0, in model units".to_owned())
 }
 
-fn degrees<const MOST: u32>(text: &str) -> Result<f64, String> {
+pub fn degrees<const MOST: u32>(text: &str) -> Result<f64, String> {
     number(text, 1.0..=f64::from(MOST)).ok_or_else(|| format!("the angle is a number from 1 to {MOST}, in degrees"))
 }
 
@@ -248,10 +230,10 @@ fn distance(text: &str) -> Result<f64, String> {
     number(text, 1.0..=10.0).ok_or_else(|| "the distance is a number from 1 to 10, in tile sides".to_owned())
 }
 
-fn up_to<const MOST: usize>(text: &str) -> Result<usize, String> {
+pub fn up_to<const MOST: usize>(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|count| *count <= MOST).ok_or_else(|| format!("write a whole number from 0 to {MOST}"))
 }
 
-fn number(text: &str, range: RangeInclusive<f64>) -> Option<f64> {
+pub fn number(text: &str, range: RangeInclusive<f64>) -> Option<f64> {
     text.parse().ok().filter(|number| range.contains(number))
 }

@@ -4,9 +4,12 @@ mod backend;
 mod check;
 mod devices;
 mod example;
+mod field;
+mod fineness;
 mod input;
 mod mesh;
 mod output;
+mod rows;
 mod summary;
 
 use clap::{Parser, Subcommand};
@@ -22,13 +25,14 @@ pub struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   quadmosaic mesh example:m6 --points 6000 -o m6.obj
-  quadmosaic mesh car.obj --size 0.02 --crease 30 --report car.json -o car_quads.obj
+  quadmosaic mesh car.stl --size 0.02 --crease 30 --report car.json -o car_quads.obj
 
 `quadmosaic help mesh` explains every option.";
 
 #[derive(Subcommand)]
 enum Command {
-    Mesh(mesh::Arguments),
+    Mesh(Box<mesh::Arguments>),
+    Field(Box<field::Arguments>),
     Example(example::Arguments),
     Check(check::Arguments),
     /// Lists the GPU adapters of this machine, the best first
@@ -41,7 +45,8 @@ enum Command {
 /// With a sentence for the user.
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
-        Command::Mesh(arguments) => mesh::run(arguments),
+        Command::Mesh(arguments) => mesh::run(&arguments),
+        Command::Field(arguments) => field::run(&arguments),
         Command::Example(arguments) => example::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Devices => devices::run(),

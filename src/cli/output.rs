@@ -1,6 +1,8 @@
 //! Where files go, and what is printed.
 
 use anyhow::{Context, bail};
+use quadmosaic::export::atomic;
+use serde::Serialize;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -12,6 +14,27 @@ pub fn obj_path(text: &str) -> Result<PathBuf, String> {
         Some(ending) if ending.eq_ignore_ascii_case("obj") => Ok(path),
         _ => Err("it does not end in .obj; Wavefront OBJ is the one format that is written".to_owned()),
     }
+}
+
+/// A path that ends in `.vtk` or `.ply`.
+pub fn field_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(ending) if ["vtk", "ply"].iter().any(|known| ending.eq_ignore_ascii_case(known)) => Ok(path),
+        _ => Err("it does not end in .vtk or .ply, the formats that a field is written in".to_owned()),
+    }
+}
+
+/// Writes figures as JSON.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn write_json(path: &Path, figures: &impl Serialize) -> anyhow::Result<()> {
+    atomic(path, |writer| {
+        serde_json::to_writer_pretty(&mut *writer, figures)?;
+        writeln!(writer)
+    })?;
+    Ok(())
 }
 
 /// Makes sure, before long work, that a file can be written there, and that it is none of the files that are `taken`.

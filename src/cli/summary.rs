@@ -2,30 +2,23 @@
 
 use quadmosaic::mesh::check::Faults;
 use quadmosaic::mesh::quality::{Quality, Spread};
-use quadmosaic::report::{Asked, Report};
+use quadmosaic::report::{Asked, FieldFigures, FieldReport, Input, Report};
 use quadmosaic::surface::Repairs;
 
 /// All of a run.
 pub fn of_run(report: &Report) -> String {
-    let Report { input, mesh, before, mosaic, backend, .. } = report;
+    let Report { surface: input, mesh, before, mosaic, backend, .. } = report;
     let asked = match report.asked {
         Asked::Points(count) => format!("{count} asked for"),
         Asked::Size(size) => format!("tiles of side {size} asked for"),
     };
-    let surface = format!(
-        "{}: {}, {}, diagonal {:.4}",
-        input.name,
-        counted(input.triangles, "triangle"),
-        counted(input.vertices, "vertex"),
-        input.diagonal
-    );
-    let features = format!("{}, {}", counted(input.curves, "curve"), counted(input.corners, "corner"));
     let holes = format!("{} in the connected mosaic, {} left", mosaic.holes, mesh.polygons);
     let times: Vec<_> = report.times.iter().map(|time| format!("{} {:.0}", time.stage, time.milliseconds)).collect();
     lines(&[
-        ("surface", surface),
+        ("surface", surface(input)),
         ("repairs", repairs(&input.repairs)),
-        ("features", features),
+        ("features", features(input)),
+        ("field", field(&report.field)),
         ("vertices", format!("{} ({asked})", mesh.vertices)),
         ("faces", faces(mesh)),
         ("Qr", format!("{:.3} ({:.3} before clean-up)", mesh.qr, before.qr)),
@@ -37,6 +30,18 @@ pub fn of_run(report: &Report) -> String {
         ("check", report.faults.to_string().lines().take(1).collect()),
         ("backend", format!("{}, {}", backend.name, backend.adapter)),
         ("time", format!("{:.0} ms: {}", report.total_milliseconds, times.join(", "))),
+    ])
+}
+
+/// A field alone.
+pub fn of_field(report: &FieldReport) -> String {
+    let FieldReport { surface: input, field: figures, backend, .. } = report;
+    lines(&[
+        ("surface", surface(input)),
+        ("repairs", repairs(&input.repairs)),
+        ("features", features(input)),
+        ("field", field(figures)),
+        ("backend", format!("{}, {}", backend.name, backend.adapter)),
     ])
 }
 
@@ -56,10 +61,11 @@ pub fn of_mesh(mesh: &Quality, faults: &Faults) -> String {
 
 /// `1 corner`, `2 corners`, `0 vertices`.
 pub fn counted(count: usize, what: &str) -> String {
-    match (count, what.strip_suffix("ex")) {
-        (1, _) => format!("1 {what}"),
-        (_, Some(stem)) => format!("{count} {stem}ices"),
-        (_, None) => format!("{count} {what}s"),
+    match (count, what.strip_suffix("ex"), what.strip_suffix('y')) {
+        (1, ..) => format!("1 {what}"),
+        (_, Some(stem), _) => format!("{count} {stem}ices"),
+        (_, _, Some(stem)) => format!("{count} {stem}ies"),
+        _ => format!("{count} {what}s"),
     }
 }
 
@@ -68,15 +74,42 @@ fn lines(entries: &[(&str, String)]) -> String {
     entries.iter().map(|(name, text)| format!("{name:width$}  {text}\n")).collect()
 }
 
+fn surface(input: &Input) -> String {
+    let Input { name, triangles, vertices, diagonal, .. } = input;
+    format!("{name}: {}, {}, diagonal {diagonal:.4}", counted(*triangles, "triangle"), counted(*vertices, "vertex"))
+}
+
+fn features(input: &Input) -> String {
+    format!("{}, {}", counted(input.curves, "curve"), counted(input.corners, "corner"))
+}
+
+fn field(figures: &FieldFigures) -> String {
+    let corners = figures.singularities.iter().filter(|singularity| singularity.on_feature).count();
+    let free = counted(figures.singularities.len() - corners, "singularity");
+    let corners = match corners {
+        0 => String::new(),
+        count => format!(" and {} of features", counted(count, "corner")),
+    };
+    let guides = match figures.guides.len() {
+        0 => String::new(),
+        count => format!("; {}", counted(count, "guide")),
+    };
+    format!("{free}{corners}, the sum of indices is {}{guides}", figures.index_sum)
+}
+
 fn repairs(repairs: &Repairs) -> String {
     let said: Vec<_> = [
-        (repairs.welded_points, "point", "welded"),
-        (repairs.degenerate_triangles, "triangle", "without area dropped"),
-        (repairs.duplicate_triangles, "repeated triangle", "dropped"),
-        (repairs.flipped_triangles, "triangle", "turned over"),
-        (repairs.split_vertices, "vertex", "split"),
+        (&repairs.welded_points, "point", "welded"),
+        (&repairs.degenerate_triangles, "triangle", "without area dropped"),
+        (&repairs.duplicate_triangles, "repeated triangle", "dropped"),
+        (&repairs.dropped_specks, "part", "too small to have a shape dropped"),
+        (&repairs.flipped_triangles, "triangle", "turned over"),
+        (&repairs.flipped_caps, "triangle", "without height flipped"),
+        (&repairs.joined_edges, "edge", "of more than two triangles kept"),
+        (&repairs.joined_vertices, "vertex", "added where sheets meet"),
     ]
     .into_iter()
+    .map(|(repair, what, done)| (repair.count, what, done))
     .filter(|(count, ..)| *count > 0)
     .map(|(count, what, done)| format!("{} {done}", counted(count, what)))
     .collect();

@@ -1,6 +1,8 @@
 //! Writes meshes to files, each format in its own module. A file appears complete or not at all.
 
 mod obj;
+mod ply;
+mod vtk;
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -8,6 +10,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use obj::{write_obj, write_soup};
+pub use ply::write_field_ply;
+pub use vtk::write_field_vtk;
 
 /// Why a file was not written. What was there before is unchanged.
 #[derive(Debug, thiserror::Error)]

@@ -5,15 +5,15 @@ use std::path::Path;
 
 use super::{WriteError, atomic};
 use crate::mesh::Mesh;
-use crate::surface::Soup;
+use crate::surface::{Regions, Soup};
 
-/// Writes a mesh as Wavefront OBJ: quads as quads, larger faces as polygons. Coordinates have nine significant digits,
+/// Writes a mesh as Wavefront OBJ: quads as quads, larger faces as polygons, named regions as groups. Coordinates have nine significant digits,
 /// and more where the model is far from the origin, so that its size always has about nine. The same mesh gives the same bytes.
 ///
 /// # Errors
 /// [`WriteError`] names the file and the reason; no half written file is left.
 pub fn write_obj(path: &Path, mesh: &Mesh) -> Result<(), WriteError> {
-    atomic(path, |writer| records(writer, &mesh.points, mesh.faces()))
+    atomic(path, |writer| records(writer, &mesh.points, mesh.faces(), &mesh.regions))
 }
 
 /// Writes triangles as Wavefront OBJ, as [`write_obj`] does.
@@ -21,17 +21,30 @@ pub fn write_obj(path: &Path, mesh: &Mesh) -> Result<(), WriteError> {
 /// # Errors
 /// As [`write_obj`].
 pub fn write_soup(path: &Path, soup: &Soup) -> Result<(), WriteError> {
-    atomic(path, |writer| records(writer, &soup.points, soup.triangles.iter().map(|triangle| &triangle[..])))
+    atomic(path, |writer| {
+        records(writer, &soup.points, soup.triangles.iter().map(|triangle| &triangle[..]), &soup.regions)
+    })
 }
 
-fn records<'a>(writer: &mut dyn Write, points: &[[f64; 3]], faces: impl Iterator<Item = &'a [u32]>) -> io::Result<()> {
+fn records<'a>(
+    writer: &mut dyn Write,
+    points: &[[f64; 3]],
+    faces: impl Iterator<Item = &'a [u32]>,
+    regions: &Regions,
+) -> io::Result<()> {
     writeln!(writer, "# quadmosaic {}", env!("CARGO_PKG_VERSION"))?;
     let digits = significant_digits(points);
     for point in points {
         let [x, y, z] = point.map(|coordinate| rounded(coordinate, digits));
         writeln!(writer, "v {x:?} {y:?} {z:?}")?;
     }
-    for face in faces {
+    let mut last = None;
+    for (index, face) in faces.enumerate() {
+        let region = regions.of_face.get(index);
+        if let Some(name) = region.filter(|_| region != last).map(|&region| &regions.names[region as usize]) {
+            writeln!(writer, "{}", format!("g {name}").trim_end())?;
+        }
+        last = region;
         write!(writer, "f")?;
         for index in face {
             write!(writer, " {}", index + 1)?;
@@ -66,7 +79,7 @@ mod tests {
 
     fn text(mesh: &Mesh) -> String {
         let mut bytes = Vec::new();
-        records(&mut bytes, &mesh.points, mesh.faces()).expect("a vector takes all");
+        records(&mut bytes, &mesh.points, mesh.faces(), &mesh.regions).expect("a vector takes all");
         String::from_utf8(bytes).expect("OBJ is text")
     }
 

@@ -15,17 +15,21 @@
 //! follows it on its own. A sector's angles are scaled to sum to 2 pi inside, to pi along a feature and to a multiple
 //! of 90 degrees at a corner, so that rows meet a feature squarely whatever its angle is in space.
 
+mod align;
 mod guide_file;
 mod guides;
 mod hierarchy;
 mod outset;
 mod sectors;
+mod singularities;
 pub mod smooth;
 
+pub use align::Align;
 pub use guide_file::{GuideFault, GuideFileError, read_guides};
-pub use guides::Guide;
+pub use guides::{Guide, GuideReport, GuideTrouble, Trace};
 pub use hierarchy::{Hierarchy, Level, Link, Row};
 pub use sectors::Sectors;
+pub use singularities::{Seat, Singularity};
 
 use crate::compute::{Backend, ComputeError};
 use crate::geometry::{fourth_root, unit};
@@ -35,26 +39,57 @@ use glam::Vec3;
 /// A representation number `(cos 4t, sin 4t)`, or a weighted sum of such.
 pub type Complex = [f32; 2];
 
+/// What draws the field beside features.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FieldOptions {
+    /// The user's guides.
+    pub guides: Vec<Guide>,
+    /// How the field is drawn to principal directions of curvature where no guide and no feature is. Default `None`: not.
+    pub align: Option<Align>,
+}
+
+impl FieldOptions {
+    /// These guides and nothing else.
+    pub fn guided(guides: impl Into<Vec<Guide>>) -> Self {
+        Self { guides: guides.into(), ..Self::default() }
+    }
+}
+
 /// A cross field over a surface.
 #[derive(Clone, Debug)]
 pub struct Field {
     sectors: Sectors,
     crosses: Vec<Complex>,
     in_triangles: Vec<[Complex; 3]>,
+    guides: Vec<GuideReport>,
 }
 
 impl Field {
-    /// The smoothest field that follows the surface's features and the guides.
+    /// The smoothest field that follows the surface's features, the guides and, if asked, its curvature.
     ///
     /// # Errors
     /// Where the backend fails.
-    pub fn new(surface: &Surface, guides: &[Guide], backend: &dyn Backend) -> Result<Self, ComputeError> {
+    pub fn new(surface: &Surface, options: &FieldOptions, backend: &dyn Backend) -> Result<Self, ComputeError> {
         let sectors = Sectors::new(surface);
-        let pulls = guides::pulls(surface, &sectors, guides);
-        let hierarchy = Hierarchy::new(surface, &sectors, &pulls);
+        let (mut grips, guides) = guides::grips(surface, &sectors, &options.guides);
+        if let Some(align) = options.align {
+            grips.extend(align::grips(surface, &sectors, &align, &grips));
+        }
+        let hierarchy = Hierarchy::new(surface, &sectors, &guides::pulls(surface, &sectors, &grips));
         let crosses = backend.smooth_field(&hierarchy)?;
         let in_triangles = sectors.in_triangles(&crosses);
-        Ok(Self { sectors, crosses, in_triangles })
+        Ok(Self { sectors, crosses, in_triangles, guides })
+    }
+
+    /// What became of each guide, in order.
+    pub fn guides(&self) -> &[GuideReport] {
+        &self.guides
+    }
+
+    /// Where the field turns about a point: triangles in which it has no direction, and corners of features that are no
+    /// right or straight angles. On a closed surface their quarters add up to four times its Euler characteristic.
+    pub fn singularities(&self, surface: &Surface) -> Vec<Singularity> {
+        singularities::find(surface, &self.sectors, &self.crosses)
     }
 
     /// The sectors of vertices that the field lives on.

@@ -192,7 +192,7 @@ fn corner_angle(surface: &Surface, corner: u32) -> f64 {
 mod tests {
     use super::*;
     use crate::compute::Cpu;
-    use crate::field::Field;
+    use crate::field::{Field, FieldOptions};
     use crate::surface::FeatureOptions;
     use crate::surface::examples::Example;
 
@@ -284,7 +284,7 @@ mod tests {
     fn singularities_add_up_to_the_euler_characteristic() {
         for (name, characteristic) in EXAMPLES {
             let surface = surface(name);
-            let field = Field::new(&surface, &[], &Cpu).expect("the CPU does not fail");
+            let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
             let sectors = field.sectors();
             let found = quarters(&surface, sectors, field.crosses());
             for (t, q) in found.iter().enumerate() {
@@ -326,7 +326,8 @@ mod tests {
             for triangles in [3_000, 20_000] {
                 let soup = name.parse::<Example>().expect("an example's name").generate(triangles);
                 let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-                let field = Field::new(&surface, &[], &Cpu).expect("the CPU does not fail");
+                let field =
+                    Field::new(&surface, &crate::field::FieldOptions::default(), &Cpu).expect("the CPU does not fail");
                 let singular = |crosses: &[Complex]| {
                     let found = quarters(&surface, field.sectors(), crosses);
                     found.into_iter().map(|q| q.round() as i64).filter(|&q| q != 0).collect::<Vec<_>>()

@@ -114,6 +114,12 @@ impl fmt::Display for Faults {
 ///
 /// Where a face names a missing vertex, only such faces are listed: nothing else can be told.
 pub fn check(mesh: &Mesh) -> Faults {
+    check_joined(mesh, &[])
+}
+
+/// As [`check`], but vertices that `branches` marks may have several fans, and edges between two of them any faces.
+pub fn check_joined(mesh: &Mesh, branches: &[bool]) -> Faults {
+    let may_branch = |vertex: u32| branches.get(vertex as usize).copied().unwrap_or_default();
     let missing = missing_vertices(mesh);
     if !missing.is_empty() {
         return Faults { list: missing, ..Faults::default() };
@@ -132,12 +138,16 @@ pub fn check(mesh: &Mesh) -> Faults {
         let kind = match fans {
             0 => Kind::IsolatedVertex { vertex },
             1 => return None,
+            _ if may_branch(vertex) => return None,
             _ => Kind::NonManifoldVertex { vertex, fans },
         };
         Some(Fault { kind, at: mesh.points[vertex as usize] })
     }));
     for edge in &edges {
         let (ends, faces) = (edge.ends, edge.along + edge.against);
+        if ends.iter().all(|&end| may_branch(end)) {
+            continue;
+        }
         if faces > 2 {
             list.push(Fault { kind: Kind::NonManifoldEdge { edge: ends, faces }, at: middle(ends) });
         } else if edge.along.max(edge.against) > 1 {

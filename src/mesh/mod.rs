@@ -7,14 +7,17 @@ pub mod connect;
 mod edit;
 pub mod fill;
 mod intrinsic;
+pub mod join;
 pub mod quality;
 mod read;
+pub mod regions;
 pub mod smooth;
 pub mod triangulate;
 
 pub use read::read_mesh;
 pub use triangulate::Triangulation;
 
+use crate::surface::Regions;
 use rayon::prelude::*;
 
 /// A polygon mesh: quads, triangles and, where holes were left, larger faces; counter-clockwise seen from outside.
@@ -26,6 +29,8 @@ pub struct Mesh {
     corners: Vec<u32>,
     /// Where each face ends in `corners`.
     ends: Vec<u32>,
+    /// The named region of each face.
+    pub regions: Regions,
 }
 
 impl Mesh {

@@ -1,25 +1,17 @@
 //! Reads polygon meshes, to check and measure what this or another program wrote.
 
 use super::Mesh;
-use crate::surface::load::{LoadError, contents, polygons};
+use crate::surface::load::{LoadError, polygons};
 use std::path::Path;
 
-/// Reads a mesh from a Wavefront OBJ file: faces of any size, vertices in the order of the file.
+/// Reads a mesh from an OBJ, PLY or STL file, told apart by content: faces of any size, vertices in the order of the file.
+/// STL's corners with the same coordinates are one vertex.
 ///
 /// # Errors
 /// [`LoadError`] says what is wrong, where, and what to do.
 pub fn read_mesh(path: &Path) -> Result<Mesh, LoadError> {
-    let (text, file) = contents(path)?;
-    let read = polygons(&text, &file, true)?;
-    let mut mesh = Mesh::new(read.positions.chunks_exact(3).map(|xyz| [xyz[0], xyz[1], xyz[2]]).collect());
-    let singles = mesh.points.len();
-    let mut rest = &read.indices[singles..];
-    for &count in &read.face_arities[singles..] {
-        let (face, after) = rest.split_at(count as usize);
-        mesh.push_face(face);
-        rest = after;
-    }
-    Ok(mesh)
+    let read = polygons(path, None)?;
+    Ok(Mesh { points: read.points, corners: read.corners, ends: read.ends, ..Mesh::default() })
 }
 
 #[cfg(test)]

@@ -39,6 +39,8 @@ pub struct Triangulation {
     pub sites: usize,
     /// See `sites`.
     pub extra: usize,
+    /// The first of the vertices at the place of each vertex: there are several where sheets of the surface meet.
+    pub(crate) same_place: Vec<u32>,
 }
 
 /// Triangulates the tiles of a mosaic.
@@ -59,7 +61,11 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     }));
     let points = order.iter().map(|&v| work.points[v as usize]).collect();
     let faces = work.faces.compacted(&order);
-    Triangulation { faces, tiles, points, sites: sites.len(), extra: left.len() }
+    let mut same_place: Vec<u32> = (0..order.len() as u32).collect();
+    for (v, site) in mosaic.sites.iter().enumerate() {
+        same_place[v] = site.same_place;
+    }
+    Triangulation { faces, tiles, points, sites: sites.len(), extra: left.len(), same_place }
 }
 
 impl Triangulation {
@@ -88,6 +94,21 @@ impl Triangulation {
             Some(kept) => kept.iter().map(|&v| below(v as usize)).collect(),
             None => (0..self.tiles.len()).map(below).collect(),
         }
+    }
+
+    /// For each vertex of a mesh, the first of those at its place; `kept` names the vertex that each one was, where it is not
+    /// the one of its number.
+    pub fn joints(&self, kept: Option<&[u32]>) -> Vec<u32> {
+        let Some(kept) = kept else { return self.same_place.clone() };
+        let mut first = vec![NONE; self.same_place.len()];
+        (0..)
+            .zip(kept)
+            .map(|(v, &old)| {
+                let first = &mut first[self.same_place[old as usize] as usize];
+                *first = v.min(*first);
+                *first
+            })
+            .collect()
     }
 
     fn is_free(&self, vertex: usize) -> bool {

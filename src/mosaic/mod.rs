@@ -99,9 +99,10 @@ impl Mosaic {
         &self.tiles[self.sides..]
     }
 
-    /// The number of tiles: vertices of the mesh to come.
+    /// The number of tiles, those of several sheets at one place counted once: vertices of the mesh to come.
     pub fn count(&self) -> usize {
-        self.sites.len() + self.free().len()
+        let own = (0..).zip(&self.sites).filter(|(id, site)| site.same_place == *id).count();
+        own + self.free().len()
     }
 
     /// Tiles of side `h` on the features, and these free tiles.

@@ -29,7 +29,7 @@ fn places(tile: &Tile) -> impl Iterator<Item = [f32; 2]> {
     let all = [[0, 0], [1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]];
     // Counted in eighths of a turn from the axis; a side of `quarters` has those strictly inside.
     all.into_iter().enumerate().filter_map(move |(i, [x, y])| {
-        let inside = quarters == 0 || (i >= 2 && i as u32 - 1 < 2 * quarters);
+        let inside = quarters == 0 || (i >= 2 && i as u32 - 1 < 2 * quarters) || (i == 1 && quarters > 4);
         inside.then_some([x as f32, y as f32])
     })
 }

@@ -2,14 +2,15 @@
 //!
 //! # Practice
 //! A curve of length `l` holds `round(l / h)` intervals of tiles. Such a tile is one vertex of the mesh to come, but it
-//! is seen from each side of the feature apart, with that side's normal and the curve's tangent as axis.
+//! is seen from each side of the feature apart, with that side's normal and the curve's tangent as axis. Where sheets
+//! meet, each has its own tiles, at the same places.
 
 use super::Tile;
 use crate::field::Field;
 use crate::geometry::{cross, unit};
 use crate::surface::{Curve, Surface, next, previous};
 use glam::Vec3;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Where on the surface's features a tile sits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,34 +28,138 @@ pub struct Site {
     pub seat: Seat,
     /// The first of its sides among the mosaic's tiles.
     pub first_side: u32,
+    /// The first site at the same place: itself, but where sheets meet or fans touch.
+    pub same_place: u32,
 }
 
 /// A place nearer to a vertex than this, in tile sides and as a share of its edge, is on the vertex.
 const SNAP: f64 = 1e-3;
 
+/// Quarter turns of a corner that no feature passes through: one more than there are, so that all directions lie inside.
+const ALL_ROUND: u32 = 5;
+
 /// The tiles of side `h` on the features, and the sides that they are seen from.
 pub fn seat(surface: &Surface, field: &Field, h: f32) -> (Vec<Site>, Vec<Tile>) {
-    let mut seats: Vec<Seat> = surface.features().corners().map(Seat::Vertex).collect();
+    let mut seats = Seats::default();
+    seats.at_corners(surface);
     let mut joined = FxHashSet::default();
     for curve in surface.features().curves() {
-        let [first, last] = [curve.vertices[0], curve.vertices[curve.vertices.len() - 1]];
-        // Few intervals must not make a loop of less than three edges, nor two edges between the same two corners.
-        let least = if first == last {
-            3
-        } else if joined.insert([first.min(last), first.max(last)]) {
-            1
-        } else {
-            2
-        };
-        along(surface, curve, h, least, &mut seats);
+        let path = Path::new(surface, curve);
+        let intervals = seats.intervals(surface, &path).unwrap_or_else(|| {
+            // Few intervals must not make a loop of less than three edges, nor two edges between the same two corners.
+            let ends = path.ends(surface);
+            let least = if ends[0] == ends[1] {
+                3
+            } else if joined.insert(ends) {
+                1
+            } else {
+                2
+            };
+            ((path.length / f64::from(h)).round() as usize).max(least)
+        });
+        seats.along(surface, &path, h, intervals);
     }
-    let mut tiles = Vec::with_capacity(2 * seats.len());
-    let mut sites = Vec::with_capacity(seats.len());
-    for seat in seats {
-        sites.push(Site { seat, first_side: tiles.len() as u32 });
+    let mut tiles = Vec::with_capacity(2 * seats.list.len());
+    let mut sites = Vec::with_capacity(seats.list.len());
+    for (seat, same_place) in seats.list {
+        sites.push(Site { seat, first_side: tiles.len() as u32, same_place });
         sides(surface, field, seat, h, &mut tiles);
     }
     (sites, tiles)
+}
+
+/// A feature curve, run through in the direction, and from the vertex where it is closed, that curves of other sheets at
+/// the same place are run through as well.
+struct Path {
+    vertices: Vec<u32>,
+    half_edges: Vec<u32>,
+    lengths: Vec<f64>,
+    length: f64,
+    closed: bool,
+}
+
+impl Path {
+    fn new(surface: &Surface, curve: &Curve) -> Self {
+        let (mut vertices, mut half_edges) = (curve.vertices.clone(), curve.half_edges.clone());
+        let place = |v: u32| surface.same_place(v);
+        if curve.closed {
+            vertices.pop();
+            let first = (0..vertices.len()).min_by_key(|&i| place(vertices[i])).unwrap_or(0);
+            vertices.rotate_left(first);
+            half_edges.rotate_left(first);
+            vertices.push(vertices[0]);
+        }
+        let forward: Vec<u32> = vertices.iter().map(|&v| place(v)).collect();
+        if forward.iter().rev().lt(&forward) {
+            vertices.reverse();
+            half_edges.reverse();
+        }
+        let lengths: Vec<f64> = half_edges.iter().map(|&h| surface.length(h)).collect();
+        Self { vertices, half_edges, length: lengths.iter().sum(), lengths, closed: curve.closed }
+    }
+
+    /// Where it begins and ends, the lower first.
+    fn ends(&self, surface: &Surface) -> [u32; 2] {
+        let [a, b] = [self.vertices[0], self.vertices[self.vertices.len() - 1]].map(|v| surface.same_place(v));
+        [a.min(b), a.max(b)]
+    }
+
+    /// Where its first edge is: the same for all curves at one place, and for no other.
+    fn key(&self, surface: &Surface) -> [u32; 2] {
+        [self.vertices[0], self.vertices[1]].map(|v| surface.same_place(v))
+    }
+}
+
+/// Seats, each with the first one at its place.
+#[derive(Default)]
+struct Seats {
+    list: Vec<(Seat, u32)>,
+    /// The first seat of each curve, and how many it has.
+    of_curves: FxHashMap<[u32; 2], [u32; 2]>,
+}
+
+impl Seats {
+    fn at_corners(&mut self, surface: &Surface) {
+        let mut first = FxHashMap::default();
+        for v in surface.features().corners() {
+            let id = self.list.len() as u32;
+            self.list.push((Seat::Vertex(v), *first.entry(surface.same_place(v)).or_insert(id)));
+        }
+    }
+
+    /// The intervals of a curve of another sheet at the same place.
+    fn intervals(&self, surface: &Surface, path: &Path) -> Option<usize> {
+        let [_, count] = *self.of_curves.get(&path.key(surface))?;
+        Some(count as usize + usize::from(!path.closed))
+    }
+
+    /// Adds the seats along a curve, its corners left out.
+    fn along(&mut self, surface: &Surface, path: &Path, h: f32, intervals: usize) {
+        let begun = self.list.len() as u32;
+        let count = (intervals - usize::from(!path.closed)) as u32;
+        let [first, _] = *self.of_curves.entry(path.key(surface)).or_insert([begun, count]);
+        let lengths = &path.lengths;
+        let (mut edge, mut passed) = (0, 0.0);
+        for (k, i) in (usize::from(!path.closed)..intervals).enumerate() {
+            let at = path.length * i as f64 / intervals as f64;
+            while edge + 1 < lengths.len() && passed + lengths[edge] < at {
+                passed += lengths[edge];
+                edge += 1;
+            }
+            let share = (at - passed) / lengths[edge].max(f64::MIN_POSITIVE);
+            let snap = SNAP * (f64::from(h) / lengths[edge].max(f64::MIN_POSITIVE)).min(1.0);
+            let seat = if share < snap {
+                Seat::Vertex(path.vertices[edge])
+            } else if share > 1.0 - snap {
+                Seat::Vertex(path.vertices[edge + 1])
+            } else {
+                let half_edge = path.half_edges[edge];
+                let forward = surface.origin(half_edge) == path.vertices[edge];
+                Seat::Edge(half_edge, if forward { share } else { 1.0 - share })
+            };
+            self.list.push((seat, first + k as u32));
+        }
+    }
 }
 
 fn place(surface: &Surface, seat: Seat) -> Vec3 {
@@ -64,32 +169,6 @@ fn place(surface: &Surface, seat: Seat) -> Vec3 {
             let [a, b] = [surface.origin(h), surface.target(h)].map(|v| surface.points[v as usize].as_dvec3());
             (a + (b - a) * share).as_vec3()
         }
-    }
-}
-
-/// Adds the seats along a curve, its corners left out.
-fn along(surface: &Surface, curve: &Curve, h: f32, least: usize, seats: &mut Vec<Seat>) {
-    let lengths: Vec<f64> = curve.half_edges.iter().map(|&e| surface.length(e)).collect();
-    let total: f64 = lengths.iter().sum();
-    let intervals = ((total / f64::from(h)).round() as usize).max(least);
-    let (mut edge, mut passed) = (0, 0.0);
-    for i in usize::from(!curve.closed)..intervals {
-        let at = total * i as f64 / intervals as f64;
-        while edge + 1 < lengths.len() && passed + lengths[edge] < at {
-            passed += lengths[edge];
-            edge += 1;
-        }
-        let share = (at - passed) / lengths[edge].max(f64::MIN_POSITIVE);
-        let snap = SNAP * (f64::from(h) / lengths[edge].max(f64::MIN_POSITIVE)).min(1.0);
-        seats.push(if share < snap {
-            Seat::Vertex(curve.vertices[edge])
-        } else if share > 1.0 - snap {
-            Seat::Vertex(curve.vertices[edge + 1])
-        } else {
-            let half_edge = curve.half_edges[edge];
-            let forward = surface.origin(half_edge) == curve.vertices[edge];
-            Seat::Edge(half_edge, if forward { share } else { 1.0 - share })
-        });
     }
 }
 
@@ -112,6 +191,12 @@ fn sides(surface: &Surface, field: &Field, seat: Seat, h: f32, tiles: &mut Vec<T
         Seat::Vertex(vertex) => {
             for &sector in field.sectors().of_vertex(vertex) {
                 let quarters = u32::from(field.sectors().quarters[sector as usize]);
+                if quarters == 0 {
+                    let triangle = field.sectors().first_corner[sector as usize] / 3;
+                    let tile = Tile::free(surface, field, triangle, Vec3::from(position), h);
+                    tiles.push(Tile { quarters: ALL_ROUND, ..tile });
+                    continue;
+                }
                 let (triangle, middle) = middle(surface, field, sector);
                 let normal = surface.normal(triangle as usize);
                 // The middle of the side lies half its quarter turns past the axis.

@@ -1,40 +1,73 @@
 //! Which triangles meet at which edges; consistent orientation; one fan of triangles a vertex.
+//!
+//! # Practice
+//! Where more than two triangles meet at an edge, they are paired as the walls of solids ([`Joint::pair`]); where that fails none
+//! is another's neighbour: the surface is cut into sheets that share the edge, and each has its own vertices. Where fans
+//! touch in a vertex alone, each has its own as well. Which vertices are at one place is kept, so that the mesh can be
+//! joined there again. Solids in contact along a flat wall are not joined in its inside.
 
 use super::{Frame, NONE, Repairs, SurfaceError, next, previous};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::VecDeque;
+use std::f64::consts::{PI, TAU};
+
+/// What [`orient`] finds.
+pub(super) struct Adjacency {
+    /// The opposite half-edge of each half-edge.
+    pub twins: Vec<u32>,
+    /// The half-edges along which sheets or solids meet, sorted.
+    pub seams: Vec<u32>,
+    /// The first of the vertices at the place of each vertex.
+    pub same_place: Vec<u32>,
+}
 
 /// Orients the triangles alike, closed components outward, gives each fan a vertex of its own and drops unused points.
-///
-/// Returns the opposite half-edge of each half-edge.
 pub(super) fn orient(
     points: &mut Vec<Vec3>,
     triangles: &mut [[u32; 3]],
     frame: &Frame,
     repairs: &mut Repairs,
-) -> Result<Vec<u32>, SurfaceError> {
-    let pairs = pair(points, triangles, frame)?;
+) -> Result<Adjacency, SurfaceError> {
+    let Pairs { pairs, seams, inside_walls } = pair(points, triangles, frame, repairs);
     let turned = turn(points, triangles, &pairs, frame)?;
-    repairs.flipped_triangles = turned.iter().filter(|&&t| t).count();
+    for (triangle, _) in triangles.iter().zip(&turned).filter(|&(_, &turned)| turned) {
+        repairs.flipped_triangles.note(|| frame.near(points[triangle[0] as usize].as_dvec3().into()));
+    }
     let twins = turn_over(triangles, pairs, &turned);
-    repairs.split_vertices = one_fan_each(points, triangles, &twins);
-    Ok(twins)
+    let mut seams: Vec<u32> = seams.into_iter().map(|h| renumbered(h, &turned)).collect();
+    seams.sort_unstable();
+    let same_place = one_fan_each(points, triangles, &twins, |vertex, place| {
+        let joined = inside_walls.binary_search(&vertex).is_err();
+        if joined {
+            repairs.joined_vertices.note(|| frame.near(place.as_dvec3().into()));
+        }
+        joined
+    });
+    Ok(Adjacency { twins, seams, same_place })
 }
 
-/// The other half-edge on the same two vertices, whatever its direction.
-fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame) -> Result<Vec<u32>, SurfaceError> {
+/// Which half-edges belong together.
+struct Pairs {
+    /// The other half-edge on the same two vertices, whatever its direction; [`NONE`] where there is none.
+    pairs: Vec<u32>,
+    /// The half-edges along which sheets or solids meet.
+    seams: Vec<u32>,
+    /// The points inside flat walls between solids, sorted.
+    inside_walls: Vec<u32>,
+}
+
+fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame, repairs: &mut Repairs) -> Pairs {
     let mut edges: Vec<(u64, u32)> = (0..3 * triangles.len() as u32)
         .into_par_iter()
         .map(|h| {
             let t = triangles[h as usize / 3];
-            let (a, b) = (t[h as usize % 3], t[next(h) as usize % 3]);
-            ((u64::from(a.min(b)) << 32) | u64::from(a.max(b)), h)
+            (edge_key(t[h as usize % 3], t[next(h) as usize % 3]), h)
         })
         .collect();
     edges.par_sort_unstable();
     let mut pairs = vec![NONE; edges.len()];
-    let mut crowded = Vec::new();
+    let (mut seams, mut in_walls, mut on_seams) = (Vec::new(), Vec::new(), Vec::new());
     for run in edges.chunk_by(|a, b| a.0 == b.0) {
         match *run {
             [_] => {}
@@ -42,20 +75,85 @@ fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame) -> Result<Vec<u3
                 pairs[g as usize] = h;
                 pairs[h as usize] = g;
             }
-            _ => crowded.push(run[0].0),
+            _ => {
+                let ends = [run[0].0 >> 32, run[0].0 & 0xffff_ffff].map(|v| v as u32);
+                let joint = Joint::new(points, triangles, ends, run);
+                let partners = joint.pair();
+                for (&(_, h), partner) in run.iter().zip(&partners) {
+                    pairs[h as usize] = partner.map_or(NONE, |k| run[k].1);
+                }
+                if joint.is_flat(&partners) {
+                    in_walls.extend(ends);
+                } else {
+                    on_seams.extend(ends);
+                    seams.extend(run.iter().map(|&(_, h)| h));
+                    let [a, b] = ends.map(|v| points[v as usize].as_dvec3());
+                    repairs.joined_edges.note(|| frame.near(a.midpoint(b).into()));
+                }
+            }
         }
     }
-    match crowded.first() {
-        None => Ok(pairs),
-        Some(key) => {
-            let place = |v: u64| frame.to_model(points[v as usize].as_dvec3().into());
-            Err(SurfaceError::NonManifoldEdge {
-                count: crowded.len(),
-                from: place(key >> 32),
-                to: place(key & 0xffff_ffff),
-            })
-        }
+    on_seams.sort_unstable();
+    in_walls.retain(|v| on_seams.binary_search(v).is_err());
+    in_walls.sort_unstable();
+    Pairs { pairs, seams, inside_walls: in_walls }
+}
+
+/// An edge where more than two triangles meet.
+struct Joint {
+    /// Of each triangle: the angle about the edge at which it lies, and whether its front looks to greater angles.
+    sides: Vec<(f64, bool)>,
+}
+
+/// Triangles that lie apart by less than this, in radians, enclose nothing.
+const LEAST_WEDGE: f64 = 1e-5;
+/// Triangles that meet at an angle within this of 180 degrees, in radians, are one wall.
+const FLAT: f64 = 0.1;
+
+impl Joint {
+    fn new(points: &[Vec3], triangles: &[[u32; 3]], ends: [u32; 2], run: &[(u64, u32)]) -> Self {
+        let [a, b] = ends.map(|v| points[v as usize].as_dvec3());
+        let along = (b - a).normalize_or_zero();
+        let x = along.any_orthonormal_vector();
+        let y = along.cross(x);
+        let side = |&(_, h): &(u64, u32)| {
+            let triangle = triangles[h as usize / 3];
+            let away = points[triangle[previous(h) as usize % 3] as usize].as_dvec3() - a;
+            (away.dot(y).atan2(away.dot(x)), triangle[h as usize % 3] == ends[0])
+        };
+        Self { sides: run.iter().map(side).collect() }
     }
+
+    /// The angle from one side to another through what lies behind the first, from 0 to 2 pi.
+    fn behind(&self, from: usize, to: usize) -> f64 {
+        let turn = self.sides[to].0 - self.sides[from].0;
+        let turn = if self.sides[from].1 { -turn } else { turn };
+        let turn = turn.rem_euclid(TAU);
+        if turn < LEAST_WEDGE { turn + TAU } else { turn }
+    }
+
+    /// The partner of each side: the first one behind it that looks away as well. All are paired, or none.
+    fn pair(&self) -> Vec<Option<usize>> {
+        let count = self.sides.len();
+        let partner = |from: usize| {
+            (0..count)
+                .filter(|&to| self.sides[to].1 != self.sides[from].1)
+                .min_by(|&s, &t| self.behind(from, s).total_cmp(&self.behind(from, t)))
+        };
+        let partners: Vec<_> = (0..count).map(partner).collect();
+        let mutual = (0..count).all(|k| partners[k].is_some_and(|other| partners[other] == Some(k)));
+        if mutual { partners } else { vec![None; count] }
+    }
+
+    /// Whether each pair is one flat wall.
+    fn is_flat(&self, partners: &[Option<usize>]) -> bool {
+        let flat = |(from, to): (usize, &Option<usize>)| to.is_some_and(|to| (self.behind(from, to) - PI).abs() < FLAT);
+        partners.iter().enumerate().all(flat)
+    }
+}
+
+fn edge_key(a: u32, b: u32) -> u64 {
+    (u64::from(a.min(b)) << 32) | u64::from(a.max(b))
 }
 
 /// Which triangles have to be turned over.
@@ -70,12 +168,12 @@ fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -
         seen[first] = true;
         let mut component = vec![first];
         let mut queue = VecDeque::from([first]);
-        let mut closed = true;
+        let mut open = Vec::new();
         while let Some(t) = queue.pop_front() {
             for h in [0, 1, 2].map(|k| 3 * t as u32 + k) {
                 let pair = pairs[h as usize];
                 if pair == NONE {
-                    closed = false;
+                    open.push(h);
                     continue;
                 }
                 let other = pair as usize / 3;
@@ -87,12 +185,12 @@ fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -
                     component.push(other);
                     queue.push_back(other);
                 } else if turned[other] != wanted {
-                    let at = frame.to_model(points[origin(h) as usize].as_dvec3().into());
+                    let at = frame.near(points[origin(h) as usize].as_dvec3().into());
                     return Err(SurfaceError::NotOrientable { triangle: t, at });
                 }
             }
         }
-        if closed {
+        if encloses(triangles, &turned, &open) {
             let volume: f64 = component
                 .iter()
                 .map(|&t| {
@@ -110,14 +208,27 @@ fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -
     Ok(turned)
 }
 
+/// Whether open edges cancel: each is passed as often in one direction as in the other. So are those of a closed part that
+/// shares an edge with others.
+fn encloses(triangles: &[[u32; 3]], turned: &[bool], open: &[u32]) -> bool {
+    let mut passes: Vec<(u64, i32)> = open
+        .iter()
+        .map(|&h| {
+            let t = triangles[h as usize / 3];
+            let (a, b) = (t[h as usize % 3], t[next(h) as usize % 3]);
+            (edge_key(a, b), if (a < b) ^ turned[h as usize / 3] { 1 } else { -1 })
+        })
+        .collect();
+    passes.sort_unstable();
+    passes.chunk_by(|a, b| a.0 == b.0).all(|run| run.iter().map(|pass| pass.1).sum::<i32>() == 0)
+}
+
 /// Turns triangles over (corners 1 and 2 change places) and renumbers the pairs of half-edges accordingly.
 fn turn_over(triangles: &mut [[u32; 3]], pairs: Vec<u32>, turned: &[bool]) -> Vec<u32> {
-    // With corners 1 and 2 exchanged, edge 0 becomes edge 2 and edge 2 becomes edge 0.
-    let renumber = |h: u32| if turned[h as usize / 3] && h % 3 != 1 { h / 3 * 3 + (2 - h % 3) } else { h };
     let mut twins = vec![NONE; pairs.len()];
     for (h, &pair) in pairs.iter().enumerate() {
         if pair != NONE {
-            twins[renumber(h as u32) as usize] = renumber(pair);
+            twins[renumbered(h as u32, turned) as usize] = renumbered(pair, turned);
         }
     }
     for (triangle, &turned) in triangles.iter_mut().zip(turned) {
@@ -128,20 +239,40 @@ fn turn_over(triangles: &mut [[u32; 3]], pairs: Vec<u32>, turned: &[bool]) -> Ve
     twins
 }
 
-/// Gives every fan of triangles its own vertex and drops points without triangles; returns how many were added.
-fn one_fan_each(points: &mut Vec<Vec3>, triangles: &mut [[u32; 3]], twins: &[u32]) -> usize {
+/// With corners 1 and 2 exchanged, edge 0 becomes edge 2 and edge 2 becomes edge 0.
+fn renumbered(half_edge: u32, turned: &[bool]) -> u32 {
+    if turned[half_edge as usize / 3] && half_edge % 3 != 1 {
+        half_edge / 3 * 3 + (2 - half_edge % 3)
+    } else {
+        half_edge
+    }
+}
+
+/// Gives every fan of triangles its own vertex and drops points without triangles. Returns the first of the vertices at
+/// the place of each; `joins` is asked whether a further fan at a point is to be joined to the first.
+fn one_fan_each(
+    points: &mut Vec<Vec3>,
+    triangles: &mut [[u32; 3]],
+    twins: &[u32],
+    mut joins: impl FnMut(u32, Vec3) -> bool,
+) -> Vec<u32> {
     let corners = 3 * triangles.len();
     let mut fan = vec![NONE; corners];
     let mut fresh: Vec<Vec3> = Vec::with_capacity(points.len());
-    let mut first_fan = vec![false; points.len()];
-    let mut split = 0;
+    let mut same_place = Vec::with_capacity(points.len());
+    let mut first_fan = vec![NONE; points.len()];
     for corner in 0..corners as u32 {
         if fan[corner as usize] != NONE {
             continue;
         }
         let vertex = triangles[corner as usize / 3][corner as usize % 3] as usize;
-        split += usize::from(std::mem::replace(&mut first_fan[vertex], true));
         let id = fresh.len() as u32;
+        if first_fan[vertex] == NONE {
+            first_fan[vertex] = id;
+            same_place.push(id);
+        } else {
+            same_place.push(if joins(vertex as u32, points[vertex]) { first_fan[vertex] } else { id });
+        }
         fresh.push(points[vertex]);
         let mut at = corner;
         loop {
@@ -165,5 +296,5 @@ fn one_fan_each(points: &mut Vec<Vec3>, triangles: &mut [[u32; 3]], twins: &[u32
         *triangle = [0, 1, 2].map(|k| fan[3 * t + k]);
     }
     *points = fresh;
-    split
+    same_place
 }

@@ -10,11 +10,16 @@ pub struct FeatureOptions {
     pub crease: f64,
     /// Turning angle in degrees over which a point of a feature curve is a corner. Default 50.
     pub corner: f64,
+    /// Angle in degrees over which a smooth surface that turns within one tile has a ridge; 180 or more: it has none.
+    /// Default 60.
+    pub ridge: f64,
+    /// Whether edges between named regions are features. Default true.
+    pub region_borders: bool,
 }
 
 impl Default for FeatureOptions {
     fn default() -> Self {
-        Self { crease: 40.0, corner: 50.0 }
+        Self { crease: 40.0, corner: 50.0, ridge: 60.0, region_borders: true }
     }
 }
 
@@ -40,16 +45,21 @@ pub struct Features {
 impl Features {
     /// Finds creases and boundaries and chains them.
     pub(super) fn find(surface: &Surface, options: &FeatureOptions) -> Self {
-        let marked = mark(surface, options.crease);
+        Self::along(surface, mark(surface, options.crease), options.corner)
+    }
+
+    /// Chains the marked half-edges into curves that turn by at most `corner` degrees between corners.
+    pub(super) fn along(surface: &Surface, marked: Vec<bool>, corner: f64) -> Self {
         let edges = Incidence::new(surface, &marked);
-        let cos_corner = options.corner.to_radians().cos();
-        let is_corner: Vec<bool> = (0..surface.vertex_count() as u32)
+        let cos_corner = corner.to_radians().cos();
+        let mut is_corner: Vec<bool> = (0..surface.vertex_count() as u32)
             .map(|v| match *edges.at(v) {
                 [] => false,
                 [a, b] => turning_cosine(surface, v, a, b) < cos_corner,
                 _ => true,
             })
             .collect();
+        share_corners(surface, &edges, &mut is_corner);
         let curves = chain(surface, &edges, &is_corner);
         Self { marked, curves, is_corner }
     }
@@ -78,12 +88,14 @@ impl Features {
 fn mark(surface: &Surface, crease: f64) -> Vec<bool> {
     let limit = crease.to_radians().cos() as f32;
     let normals: Vec<_> = (0..surface.triangle_count()).map(|t| surface.normal(t)).collect();
-    (0..3 * surface.triangle_count())
+    let mut marked: Vec<bool> = (0..3 * surface.triangle_count())
         .map(|h| {
             let twin = surface.twins[h];
             twin == NONE || (crease < 180.0 && dot(normals[h / 3], normals[twin as usize / 3]) < limit)
         })
-        .collect()
+        .collect();
+    surface.named.iter().for_each(|&h| marked[h as usize] = true);
+    marked
 }
 
 /// The feature edges at each vertex, each edge named by the lower of its half-edges.
@@ -120,13 +132,37 @@ impl Incidence {
     }
 }
 
+/// Makes corners of the vertices at one place unless the same two feature edges pass through all of them: curves of
+/// sheets that meet then begin and end together.
+fn share_corners(surface: &Surface, edges: &Incidence, is_corner: &mut [bool]) {
+    let mut shared: Vec<[u32; 2]> = (0..surface.vertex_count() as u32)
+        .filter(|&v| surface.same_place(v) != v)
+        .flat_map(|v| [[surface.same_place(v), v], [surface.same_place(v); 2]])
+        .collect();
+    shared.sort_unstable();
+    shared.dedup();
+    let ways = |v: u32| -> Vec<u32> {
+        let mut ways: Vec<u32> =
+            edges.at(v).iter().map(|&edge| surface.same_place(other_end(surface, edge, v))).collect();
+        ways.sort_unstable();
+        ways
+    };
+    for group in shared.chunk_by(|a, b| a[0] == b[0]) {
+        let first = ways(group[0][1]);
+        let alike = group.iter().all(|&[_, v]| !is_corner[v as usize] && ways(v) == first);
+        if first.len() != 2 || !alike {
+            group.iter().for_each(|&[_, v]| is_corner[v as usize] = true);
+        }
+    }
+}
+
 fn other_end(surface: &Surface, half_edge: u32, vertex: u32) -> u32 {
     let origin = surface.origin(half_edge);
     if origin == vertex { surface.origin(next(half_edge)) } else { origin }
 }
 
 /// The cosine of the angle by which the curve through edges `a` and `b` turns at `vertex`.
-fn turning_cosine(surface: &Surface, vertex: u32, a: u32, b: u32) -> f64 {
+pub(super) fn turning_cosine(surface: &Surface, vertex: u32, a: u32, b: u32) -> f64 {
     let here = surface.points[vertex as usize].as_dvec3();
     let [p, q] = [a, b].map(|h| surface.points[other_end(surface, h, vertex) as usize].as_dvec3());
     (here - p).normalize_or_zero().dot((q - here).normalize_or_zero())

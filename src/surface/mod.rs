@@ -6,20 +6,34 @@
 //! meshes as its recentred, unit-sized copy does.
 
 mod adjacency;
+mod caps;
+pub(crate) mod curvature;
+mod edge_file;
 pub mod examples;
 mod features;
 pub mod load;
+mod named_edges;
+pub(crate) mod nearest;
 mod polygon;
+mod regions;
+mod repairs;
+mod ridges;
+mod split;
+mod tiny;
 mod walk;
 mod weld;
 
+pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use features::{Curve, FeatureOptions, Features};
+pub use regions::Regions;
+pub use repairs::{Repair, Repairs};
 pub(crate) use walk::{WALK_EDGES, next_corner, previous_corner, walk};
-pub use weld::Repairs;
 
 use crate::geometry::{cross, dot, unit};
+use adjacency::Adjacency;
 use glam::{DVec3, Vec3};
 use thiserror::Error;
+use weld::Welded;
 
 /// No half-edge, triangle or vertex.
 pub const NONE: u32 = u32::MAX;
@@ -31,6 +45,8 @@ pub struct Soup {
     pub points: Vec<[f64; 3]>,
     /// Indices into `points`, three a triangle.
     pub triangles: Vec<[u32; 3]>,
+    /// Which named part each triangle belongs to.
+    pub regions: Regions,
 }
 
 /// The map between model units and the unit-sized coordinates that the mesher computes in.
@@ -48,6 +64,12 @@ impl Frame {
         ((DVec3::from(point) - DVec3::from(self.centre)) / self.diagonal).into()
     }
 
+    /// As [`Frame::to_model`], but rounded to about a millionth of the diagonal: what is left of a place is what is known.
+    pub(crate) fn near(&self, point: [f64; 3]) -> [f64; 3] {
+        let step = 10f64.powf(self.diagonal.log10().floor() - 6.0);
+        self.to_model(point).map(|x| if step > 0.0 { (x / step).round() * step } else { x })
+    }
+
     /// From unit-sized coordinates to model units.
     pub fn to_model(&self, point: [f64; 3]) -> [f64; 3] {
         (DVec3::from(point) * self.diagonal + DVec3::from(self.centre)).into()
@@ -59,31 +81,53 @@ impl Frame {
 #[non_exhaustive]
 pub enum SurfaceError {
     /// There is nothing to mesh.
-    #[error("the surface has no triangle of non-zero area ({given} given); check that the file holds faces")]
-    Empty {
+    #[error("the surface has no triangles; check that the file holds faces")]
+    Empty,
+    /// Nothing is left of the triangles at the precision that is computed with.
+    #[error(
+        "none of the {given} triangles has any area: all are narrower than a ten-millionth of the model's size; \
+         check the units of each axis"
+    )]
+    NoArea {
         /// Triangles that were given.
         given: usize,
     },
-    /// An edge has more than two triangles.
-    #[error(
-        "{count} edges have more than two triangles, the first between {from:?} and {to:?}; \
-         remove inner walls or split the model into manifold parts"
-    )]
-    NonManifoldEdge {
-        /// How many such edges there are.
-        count: usize,
-        /// One end of the first, in model units.
-        from: [f64; 3],
-        /// Its other end.
-        to: [f64; 3],
-    },
     /// The triangles of one component cannot be oriented alike.
-    #[error("the surface is not orientable: a one-sided strip passes triangle {triangle} at {at:?}; cut it open there")]
+    #[error("the surface is not orientable: a one-sided strip passes triangle {triangle} at {}; cut it open there", shown(.at))]
     NotOrientable {
         /// A triangle, counted from 0 in the order of the file, where the two orientations meet.
         triangle: usize,
         /// Its first corner, in model units.
         at: [f64; 3],
+    },
+    /// A feature edge names a vertex that is not there.
+    #[error("{name}: there is no vertex {number} in the surface's file")]
+    NoSuchVertex {
+        /// What the edge is called.
+        name: String,
+        /// The vertex, counted from 1.
+        number: usize,
+    },
+    /// A feature edge ends where there is no vertex.
+    #[error("{name}: the surface has no vertex at {}; give the place of one, in the units of the surface", shown(.at))]
+    NoVertexAt {
+        /// What the edge is called.
+        name: String,
+        /// The place, in model units.
+        at: [f64; 3],
+    },
+    /// A feature edge is none of the surface's.
+    #[error(
+        "{name}: no edge, and no straight line of edges, joins {} and {}; name edges of the surface",
+        shown(.from), shown(.to)
+    )]
+    NoEdges {
+        /// What the edge is called.
+        name: String,
+        /// One end, in model units.
+        from: [f64; 3],
+        /// The other.
+        to: [f64; 3],
     },
     /// An index points past the last point.
     #[error("triangle {triangle} uses point {index}, but there are only {points} points")]
@@ -103,7 +147,13 @@ pub enum SurfaceError {
     },
 }
 
-/// A welded, consistently oriented, manifold triangle surface with adjacency and features, in unit-sized coordinates.
+/// A place as messages say it: seven significant digits are enough to find it.
+pub fn shown(place: &[f64; 3]) -> String {
+    let [x, y, z] = place.map(|x| format!("{x:.6e}").parse().unwrap_or(x) + 0.0);
+    format!("({x}, {y}, {z})")
+}
+
+/// A welded, consistently oriented triangle surface, each sheet of it a manifold, with adjacency and features, in unit-sized coordinates.
 ///
 /// Half-edge `3 t + k` runs from corner `k` of triangle `t` to corner `k + 1`.
 #[derive(Clone, Debug)]
@@ -112,6 +162,11 @@ pub struct Surface {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// The opposite half-edge of each half-edge; [`NONE`] on the boundary.
     pub(crate) twins: Vec<u32>,
+    /// The half-edges that are features whatever their angle, sorted: where sheets or solids meet, ridges.
+    named: Vec<u32>,
+    /// The first of the vertices at the place of each vertex: there are several where sheets meet or fans touch.
+    same_place: Vec<u32>,
+    regions: Regions,
     features: Features,
     frame: Frame,
     repairs: Repairs,
@@ -121,19 +176,98 @@ impl Surface {
     /// Welds, cleans and orients the soup and finds its features.
     ///
     /// # Errors
-    /// Where nothing is left to mesh, or where the triangles are not an orientable manifold.
+    /// Where nothing is left to mesh, or where triangles cannot be oriented alike.
     pub fn new(soup: &Soup, options: &FeatureOptions) -> Result<Self, SurfaceError> {
-        let (frame, points, mut triangles, mut repairs) = weld::weld(soup)?;
-        let mut positions = points;
-        let twins = adjacency::orient(&mut positions, &mut triangles, &frame, &mut repairs)?;
-        let mut surface = Self { points: positions, triangles, twins, features: Features::default(), frame, repairs };
+        let Welded { frame, mut points, mut triangles, sources, mut repairs } = weld::weld(soup)?;
+        let Adjacency { mut twins, seams, same_place } =
+            adjacency::orient(&mut points, &mut triangles, &frame, &mut repairs)?;
+        caps::flip(&points, &mut triangles, &mut twins, &seams, &frame, &mut repairs);
+        let features = Features::default();
+        let mut surface = Self {
+            points,
+            triangles,
+            twins,
+            named: seams,
+            same_place,
+            regions: soup.regions.of(&sources),
+            features,
+            frame,
+            repairs,
+        };
+        if options.region_borders {
+            surface.name(surface.region_borders());
+        }
         surface.features = Features::find(&surface, options);
         Ok(surface)
+    }
+
+    /// The same surface with these edges as features; `soup` is what it was made of.
+    ///
+    /// # Errors
+    /// Where an edge is none of the surface's.
+    pub fn with_edges(
+        mut self,
+        soup: &Soup,
+        edges: &[NamedEdge],
+        options: &FeatureOptions,
+    ) -> Result<Self, SurfaceError> {
+        if !edges.is_empty() {
+            self.name(named_edges::find(&self, soup, edges)?);
+            self.features = Features::find(&self, options);
+        }
+        Ok(self)
+    }
+
+    /// The same surface with the features that tiles of side `h`, unit-sized, can show: ridges become edges of it, and
+    /// creases that are too small go.
+    pub fn fitted(mut self, options: &FeatureOptions, h: f32) -> Self {
+        self.features = Features::along(&self, tiny::without_tiny(&self, options.corner, f64::from(h)), options.corner);
+        if options.ridge < 180.0 {
+            let lines = ridges::ridges(&self, f64::from(h), options.ridge);
+            if !lines.is_empty() {
+                self.cut(&lines, options);
+            }
+        }
+        self
+    }
+
+    /// The half-edges between triangles of different regions.
+    fn region_borders(&self) -> Vec<u32> {
+        let of = &self.regions.of_face;
+        let differ = |&h: &u32| self.twin(h).is_some_and(|twin| of[h as usize / 3] != of[twin as usize / 3]);
+        if of.is_empty() { Vec::new() } else { (0..3 * self.triangle_count() as u32).filter(differ).collect() }
+    }
+
+    /// Makes half-edges features whatever their angle.
+    fn name(&mut self, half_edges: impl IntoIterator<Item = u32>) {
+        self.named.extend(half_edges);
+        self.named.sort_unstable();
+        self.named.dedup();
+    }
+
+    /// Cuts triangles along lines, which become features.
+    fn cut(&mut self, lines: &[Vec<split::Place>], options: &FeatureOptions) {
+        let split = split::Split::along(self, lines);
+        let parts = |h: &u32| split.parts[*h as usize];
+        let mut marked = vec![false; 3 * split.triangles.len()];
+        let features = (0..split.parts.len() as u32).filter(|&h| self.features.is_feature(h));
+        features.flat_map(|h| parts(&h)).chain(split.on_lines.iter().copied()).for_each(|h| marked[h as usize] = true);
+        self.named = self.named.iter().flat_map(parts).collect();
+        self.name(split.on_lines);
+        self.regions = self.regions.of(&split.sources);
+        self.same_place.extend(self.points.len() as u32..split.points.len() as u32);
+        (self.points, self.triangles, self.twins) = (split.points, split.triangles, split.twins);
+        self.features = Features::along(self, marked, options.corner);
     }
 
     /// The map from model units.
     pub fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    /// The named regions of the triangles.
+    pub fn regions(&self) -> &Regions {
+        &self.regions
     }
 
     /// What was mended on the way in.
@@ -154,6 +288,11 @@ impl Surface {
     /// The number of vertices.
     pub fn vertex_count(&self) -> usize {
         self.points.len()
+    }
+
+    /// The place of a vertex, in unit-sized coordinates.
+    pub fn point(&self, vertex: u32) -> [f64; 3] {
+        self.points[vertex as usize].as_dvec3().into()
     }
 
     /// The area, in unit-sized coordinates.
@@ -180,6 +319,16 @@ impl Surface {
     pub(crate) fn normal(&self, triangle: usize) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
         unit(cross(b - a, c - a))
+    }
+
+    /// Whether a half-edge is a feature whatever its angle.
+    pub(crate) fn is_named(&self, half_edge: u32) -> bool {
+        self.named.binary_search(&half_edge).is_ok()
+    }
+
+    /// The first of the vertices at the place of this one: itself, but where sheets meet or fans touch.
+    pub(crate) fn same_place(&self, vertex: u32) -> u32 {
+        self.same_place[vertex as usize]
     }
 
     pub(crate) fn origin(&self, half_edge: u32) -> u32 {

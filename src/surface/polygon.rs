@@ -43,12 +43,14 @@ struct Rest {
     places: Vec<usize>,
     /// How well shaped the ear at each of `places` is; none where there is no ear.
     ears: Vec<Option<f64>>,
+    /// No search for ears was in vain yet, as it never is in a simple polygon.
+    simple: bool,
 }
 
 impl Rest {
     fn new(points: Vec<DVec2>) -> Self {
         let places = (0..points.len()).collect();
-        let mut rest = Self { points, places, ears: Vec::new() };
+        let mut rest = Self { points, places, ears: Vec::new(), simple: true };
         rest.find_ears();
         rest
     }
@@ -63,11 +65,13 @@ impl Rest {
             let known = ears.iter().enumerate().filter_map(|(slot, ear)| ear.map(|shape| (slot, shape)));
             known.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(slot, _)| slot)
         };
-        let slot = best(&self.ears).or_else(|| {
+        let mut slot = best(&self.ears);
+        if slot.is_none() && self.simple {
             // Clipping elsewhere may have freed ears that were covered before.
             self.find_ears();
-            best(&self.ears)
-        });
+            slot = best(&self.ears);
+            self.simple = slot.is_some();
+        }
         // Without any ear the polygon is not simple: go on with the most convex corner.
         let slot = slot.unwrap_or_else(|| {
             let turn = |slot: &usize| self.turn(self.around(*slot));

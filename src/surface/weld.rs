@@ -1,33 +1,27 @@
-//! Joins points that are the same place and drops triangles that are none.
+//! Joins points that are the same place and drops triangles that are none, and parts too small to have a shape.
 
-use super::{Frame, Soup, SurfaceError};
+use super::{Frame, Repairs, Soup, SurfaceError};
 use glam::{DVec3, Vec3};
 use rustc_hash::{FxHashMap, FxHashSet};
-use serde::Serialize;
 
 /// Points nearer than this, in diagonals of the bounding box, are one: the resolution of f32 in unit-sized coordinates.
 const WELD: f64 = 1e-7;
 
-/// What was mended on the way from soup to surface.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Repairs {
-    /// Points that were joined to another at the same place.
-    pub welded_points: usize,
-    /// Points that no triangle uses.
-    pub unused_points: usize,
-    /// Triangles without area that were dropped.
-    pub degenerate_triangles: usize,
-    /// Triangles that were given more than once, orientation aside.
-    pub duplicate_triangles: usize,
-    /// Triangles that were turned over.
-    pub flipped_triangles: usize,
-    /// Vertices where separate fans of triangles touched, now one vertex a fan.
-    pub split_vertices: usize,
-}
-
-type Welded = (Frame, Vec<Vec3>, Vec<[u32; 3]>, Repairs);
+/// A part that is smaller than this along every axis, in diagonals of the bounding box, is dropped: f32 would leave it some
+/// hundred steps.
+const SPECK: f64 = 1e-5;
 
 /// Unit-sized points without doubles, and the triangles that keep three different corners.
+pub(super) struct Welded {
+    pub frame: Frame,
+    pub points: Vec<Vec3>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Which of the soup's triangles each one was.
+    pub sources: Vec<u32>,
+    pub repairs: Repairs,
+}
+
+/// Joins points at the same place and drops triangles without area and doubles.
 pub(super) fn weld(soup: &Soup) -> Result<Welded, SurfaceError> {
     let mut repairs = Repairs::default();
     let mut used = vec![false; soup.points.len()];
@@ -40,37 +34,101 @@ pub(super) fn weld(soup: &Soup) -> Result<Welded, SurfaceError> {
             })? = true;
         }
     }
-    repairs.unused_points = used.iter().filter(|&&u| !u).count();
+    for (point, _) in soup.points.iter().zip(&used).filter(|&(_, &used)| !used) {
+        repairs.unused_points.note(|| *point);
+    }
     let frame = frame_of(soup, &used)?;
 
-    let (place, points) = join(soup, &used, &frame);
-    repairs.welded_points = soup.points.len() - repairs.unused_points - points.len();
-
+    let (place, points) = join(soup, &used, &frame, &mut repairs);
     let mut seen = FxHashSet::default();
     let mut triangles = Vec::with_capacity(soup.triangles.len());
-    for corners in &soup.triangles {
-        let corners = corners.map(|index| place[index as usize]);
+    let mut sources = Vec::with_capacity(soup.triangles.len());
+    for (source, given) in (0..).zip(&soup.triangles) {
+        let corners = given.map(|index| place[index as usize]);
         let [a, b, c] = corners;
+        let first = || soup.points[given[0] as usize];
         if a == b || b == c || c == a {
-            repairs.degenerate_triangles += 1;
+            repairs.degenerate_triangles.note(first);
             continue;
         }
         let mut key = corners;
         key.sort_unstable();
         if seen.insert(key) {
             triangles.push(corners);
+            sources.push(source);
         } else {
-            repairs.duplicate_triangles += 1;
+            repairs.duplicate_triangles.note(first);
         }
+    }
+    let speck = specks(&points, &triangles);
+    let part_place = |t: usize| soup.points[soup.triangles[sources[t] as usize][0] as usize];
+    for (part, _) in speck.firsts.iter().zip(&speck.is_speck).filter(|&(_, &speck)| speck) {
+        repairs.dropped_specks.note(|| part_place(*part as usize));
+    }
+    let keep = |t: &usize| !speck.is_speck[speck.part[*t] as usize];
+    if repairs.dropped_specks.count > 0 {
+        sources = (0..triangles.len()).filter(keep).map(|t| sources[t]).collect();
+        triangles = (0..triangles.len()).filter(keep).map(|t| triangles[t]).collect();
     }
     let any_area = triangles.iter().any(|t| {
         let [a, b, c] = t.map(|v| points[v as usize]);
         (b - a).cross(c - a).length() > f64::EPSILON
     });
     if !any_area {
-        return Err(SurfaceError::Empty { given: soup.triangles.len() });
+        return Err(SurfaceError::NoArea { given: soup.triangles.len() });
     }
-    Ok((frame, points.iter().map(|p| p.as_vec3()).collect(), triangles, repairs))
+    Ok(Welded { frame, points: points.iter().map(|&p| on_grid(p)).collect(), triangles, sources, repairs })
+}
+
+/// The nearest point whose coordinates are multiples of 2^-24, what f32 resolves at the rim of the bounding box. Were the
+/// middle finer, a model far from the origin would have its own roundings there, and another mesh.
+fn on_grid(p: DVec3) -> Vec3 {
+    const STEPS: f64 = (1 << 24) as f64;
+    ((p * STEPS).round() / STEPS).as_vec3()
+}
+
+/// The parts that triangles fall into.
+struct Parts {
+    /// The part of each triangle.
+    part: Vec<u32>,
+    /// A triangle of each part.
+    firsts: Vec<u32>,
+    /// Whether each part is too small to have a shape.
+    is_speck: Vec<bool>,
+}
+
+fn specks(points: &[DVec3], triangles: &[[u32; 3]]) -> Parts {
+    let mut parent: Vec<u32> = (0..points.len() as u32).collect();
+    let root = |parent: &mut [u32], mut v: u32| {
+        while parent[v as usize] != v {
+            parent[v as usize] = parent[parent[v as usize] as usize];
+            v = parent[v as usize];
+        }
+        v
+    };
+    for &[a, b, c] in triangles {
+        let [a, b, c] = [a, b, c].map(|v| root(&mut parent, v));
+        let least = a.min(b).min(c);
+        [a, b, c].iter().for_each(|&v| parent[v as usize] = least);
+    }
+    let mut number = vec![super::NONE; points.len()];
+    let mut parts = Parts { part: Vec::with_capacity(triangles.len()), firsts: Vec::new(), is_speck: Vec::new() };
+    let mut boxes: Vec<[DVec3; 2]> = Vec::new();
+    for (t, corners) in triangles.iter().enumerate() {
+        let id = &mut number[root(&mut parent, corners[0]) as usize];
+        if *id == super::NONE {
+            *id = boxes.len() as u32;
+            boxes.push([DVec3::INFINITY, DVec3::NEG_INFINITY]);
+            parts.firsts.push(t as u32);
+        }
+        let [low, high] = &mut boxes[*id as usize];
+        for &v in corners {
+            (*low, *high) = (low.min(points[v as usize]), high.max(points[v as usize]));
+        }
+        parts.part.push(*id);
+    }
+    parts.is_speck = boxes.iter().map(|[low, high]| (*high - *low).max_element() < SPECK).collect();
+    parts
 }
 
 fn frame_of(soup: &Soup, used: &[bool]) -> Result<Frame, SurfaceError> {
@@ -85,15 +143,18 @@ fn frame_of(soup: &Soup, used: &[bool]) -> Result<Frame, SurfaceError> {
     // Scaled first, so that squares of very small extents do not underflow.
     let extent = high - low;
     let largest = extent.max_element();
-    if largest.is_nan() || largest <= 0.0 {
-        return Err(SurfaceError::Empty { given: soup.triangles.len() });
+    if soup.triangles.is_empty() {
+        return Err(SurfaceError::Empty);
+    }
+    if largest <= 0.0 {
+        return Err(SurfaceError::NoArea { given: soup.triangles.len() });
     }
     let diagonal = largest * (extent / largest).length();
     Ok(Frame { centre: (low + extent / 2.0).into(), diagonal })
 }
 
 /// The index of each used point among the joined points, and these, in unit-sized coordinates.
-fn join(soup: &Soup, used: &[bool], frame: &Frame) -> (Vec<u32>, Vec<DVec3>) {
+fn join(soup: &Soup, used: &[bool], frame: &Frame, repairs: &mut Repairs) -> (Vec<u32>, Vec<DVec3>) {
     let cell = 4.0 * WELD;
     let mut points: Vec<DVec3> = Vec::new();
     let mut cells: FxHashMap<[i64; 3], Vec<u32>> = FxHashMap::default();
@@ -110,12 +171,15 @@ fn join(soup: &Soup, used: &[bool], frame: &Frame) -> (Vec<u32>, Vec<DVec3>) {
                 }
             }
         }
-        place[index] = found.unwrap_or_else(|| {
+        place[index] = if let Some(found) = found {
+            repairs.welded_points.note(|| *point);
+            found
+        } else {
             points.push(p);
             let new = points.len() as u32 - 1;
             cells.entry((p / cell).floor().as_i64vec3().to_array()).or_default().push(new);
             new
-        });
+        };
     }
     (place, points)
 }

@@ -1,0 +1,49 @@
+//! Alignment with curvature, where no guide and no feature speaks.
+//!
+//! # Theory
+//! Rows along principal directions bend least out of their plane, and their quads are flat. The pull on a cross is `weight
+//! (|k1| - |k2|)^2` per area, `k1` and `k2` the principal curvatures: where they are alike, as on a sphere, a plane and a
+//! symmetric saddle, there is none. The field's own energy, the square of its gradient, has the same unit, so that the
+//! weight is a number without unit and does not depend on the size of the model or of its triangles: on a cylinder of
+//! radius `R` a deviation dies away over the length `R / sqrt(weight)`.
+
+use super::Sectors;
+use super::guides::{Grip, cross_along};
+use crate::surface::Surface;
+use crate::surface::curvature::{curvatures, radius_of_tile};
+use rayon::prelude::*;
+
+/// Without a side, the tile is this many typical edges wide.
+const EDGES: f64 = 5.0;
+
+/// How the field is drawn to principal directions of curvature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Align {
+    /// How strongly; 1: over lengths of the radius of curvature. 0: not.
+    pub weight: f64,
+    /// Side of the tiles at whose scale the surface's bending counts, in model units; `None`: five typical edges.
+    pub side: Option<f64>,
+}
+
+/// The pulls of curvature on sectors that are whole and not gripped.
+pub(super) fn grips(surface: &Surface, sectors: &Sectors, align: &Align, gripped: &[Grip]) -> Vec<Grip> {
+    if align.weight <= 0.0 {
+        return Vec::new();
+    }
+    let mut spoken: Vec<bool> = sectors.quarters.iter().map(|&quarters| quarters > 0).collect();
+    gripped.iter().for_each(|grip| spoken[grip.sector as usize] = true);
+    // The edge of an equilateral triangle of the mean area.
+    let edge = || (surface.area() / surface.triangle_count() as f64 * 4.0 / 3f64.sqrt()).sqrt();
+    let side = align.side.map_or_else(|| EDGES * edge(), |side| side / surface.frame().diagonal);
+    let curvatures = curvatures(surface, radius_of_tile(side));
+    (0..sectors.count() as u32)
+        .into_par_iter()
+        .filter(|&sector| !spoken[sector as usize])
+        .filter_map(|sector| {
+            let bend = &curvatures[surface.origin(sectors.first_corner[sector as usize]) as usize];
+            let toward = cross_along(surface, sectors, sector, bend.directions[0])?;
+            let anisotropy = bend.values[0].abs() - bend.values[1].abs();
+            Some(Grip { sector, toward, density: Some(align.weight * anisotropy.powi(2)) })
+        })
+        .collect()
+}

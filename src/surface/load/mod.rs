@@ -1,0 +1,145 @@
+//! Reads surfaces from files.
+//!
+//! # Practice
+//! The content tells the format, whatever the file's name. The readers are our own, for what crates do not give (`tobj` 4.0,
+//! `stl_io` 0.11, `ply-rs-bw` 4.0 and `serde-ply` 0.2 were looked at): one sentence with the line or byte for every fault,
+//! coordinates as f64, names of groups and solids, binary STL files that begin with `solid`, and, for OBJ, all cores.
+//! No count in a header is trusted: memory follows the bytes that are there.
+
+mod error;
+mod obj;
+mod ply;
+mod polygons;
+mod stl;
+mod text;
+
+pub use error::{Fault, LoadError, Place};
+pub(crate) use polygons::Polygons;
+
+use super::Soup;
+use std::fmt;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::str::FromStr;
+
+/// A format of surface files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// STL, binary or ASCII.
+    Stl,
+    /// PLY, ASCII or binary.
+    Ply,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Obj, Self::Stl, Self::Ply];
+
+    /// The name that [`Format::from_str`] knows.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Obj => "obj",
+            Self::Stl => "stl",
+            Self::Ply => "ply",
+        }
+    }
+
+    /// The format that the content shows, if it shows one.
+    fn of(bytes: &[u8]) -> Option<Self> {
+        if ply::recognises(bytes) {
+            Some(Self::Ply)
+        } else if stl::recognises(bytes) {
+            Some(Self::Stl)
+        } else {
+            obj::recognises(bytes).then_some(Self::Obj)
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name().to_uppercase())
+    }
+}
+
+impl FromStr for Format {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|format| text.eq_ignore_ascii_case(format.name()));
+        found.ok_or_else(|| "the formats are obj, stl and ply".to_owned())
+    }
+}
+
+/// Reads a surface from a file of any [`Format`]. All vertices of the file are kept, in its order, also those that no face
+/// uses; STL's, which have no order, are those with different coordinates. Polygons are triangulated by ear clipping.
+///
+/// # Errors
+/// [`LoadError`] says what is wrong, where, and what to do.
+pub fn read(path: &Path) -> Result<Soup, LoadError> {
+    read_as(path, None)
+}
+
+/// Reads a surface as [`read`] does, from a file of this format; without one, the content tells it.
+///
+/// # Errors
+/// As [`read`], and where the content is plainly of another format.
+pub fn read_as(path: &Path, format: Option<Format>) -> Result<Soup, LoadError> {
+    polygons(path, format).map(Polygons::into_soup)
+}
+
+/// Reads a surface from a stream as [`read_as`] does. Error messages call it `name`.
+///
+/// # Errors
+/// As [`read_as`].
+pub fn read_stream(stream: impl Read, name: &str, format: Option<Format>) -> Result<Soup, LoadError> {
+    polygons_of(stream, name, format).map(Polygons::into_soup)
+}
+
+/// The vertices and faces of a file.
+pub(crate) fn polygons(path: &Path, format: Option<Format>) -> Result<Polygons, LoadError> {
+    let file = path.display().to_string();
+    if path.is_dir() {
+        return Err(LoadError::Directory { file });
+    }
+    if matches!(path.try_exists(), Ok(false)) {
+        return Err(LoadError::Missing { file });
+    }
+    match File::open(path) {
+        Ok(stream) => polygons_of(stream, &file, format),
+        Err(source) => Err(LoadError::Unreadable { file, source }),
+    }
+}
+
+/// With no more bytes, vertices and corners can be counted in 32 bits.
+const MOST_BYTES: u64 = u32::MAX as u64;
+
+fn polygons_of(stream: impl Read, name: &str, format: Option<Format>) -> Result<Polygons, LoadError> {
+    let file = || name.to_owned();
+    let mut bytes = Vec::new();
+    let length = stream.take(MOST_BYTES + 1).read_to_end(&mut bytes);
+    if length.map_err(|source| LoadError::Unreadable { file: file(), source })? as u64 > MOST_BYTES {
+        return Err(LoadError::TooLarge { file: file() });
+    }
+    if bytes.is_empty() {
+        return Err(LoadError::Empty { file: file() });
+    }
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
+    let found = Format::of(bytes);
+    if let (Some(asked), Some(found)) = (format, found)
+        && asked != found
+    {
+        return Err(LoadError::OtherFormat { file: file(), asked, found });
+    }
+    match format.or(found) {
+        Some(Format::Ply) => ply::parse(bytes, name),
+        Some(Format::Stl) => stl::parse(bytes, name),
+        Some(Format::Obj) | None => match bytes.iter().position(|&byte| byte == 0) {
+            Some(offset) => Err(LoadError::Binary { file: file(), offset }),
+            None => obj::parse(bytes, name),
+        },
+    }
+}

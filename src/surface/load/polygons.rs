@@ -1,0 +1,77 @@
+//! What files hold: polygons on numbered vertices, before they are split into triangles.
+
+use super::super::{Regions, Soup, polygon};
+use super::Fault;
+use glam::DVec3;
+
+/// More corners of a face than are plausible: splitting takes their square in time.
+const MOST_CORNERS: usize = 20_000;
+
+/// Vertices in the order of the file, and faces of three or more of them.
+#[derive(Debug, Default)]
+pub(crate) struct Polygons {
+    /// Vertex positions. Those that no face uses may be anything.
+    pub points: Vec<[f64; 3]>,
+    /// Vertex indices of all faces, one face after the other.
+    pub corners: Vec<u32>,
+    /// Where each face ends in `corners`.
+    pub ends: Vec<u32>,
+    /// Names, each with the number of faces that came before it.
+    pub marks: Vec<(usize, String)>,
+}
+
+impl Polygons {
+    /// The vertices of each face.
+    pub fn faces(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = [0].iter().chain(&self.ends);
+        starts.zip(&self.ends).map(|(&start, &end)| &self.corners[start as usize..end as usize])
+    }
+
+    /// Makes a face of the corners that were pushed since the last.
+    pub fn end_face(&mut self) -> Result<(), Fault> {
+        let end = self.corners.len() as u32;
+        let count = (end - self.ends.last().copied().unwrap_or(0)) as usize;
+        match count {
+            0..3 => Err(Fault::TooFewIndices { count }),
+            3..=MOST_CORNERS => {
+                self.ends.push(end);
+                Ok(())
+            }
+            _ => Err(Fault::TooManyIndices { count, most: MOST_CORNERS }),
+        }
+    }
+
+    /// The first vertex that a face uses and that has no place in space.
+    pub fn nowhere(&self) -> Option<usize> {
+        let finite = |point: &[f64; 3]| point.iter().all(|coordinate| coordinate.is_finite());
+        if self.points.iter().all(finite) {
+            return None;
+        }
+        self.corners.iter().map(|&vertex| vertex as usize).filter(|&vertex| !finite(&self.points[vertex])).min()
+    }
+
+    /// The triangles, polygons split by ear clipping.
+    pub fn into_soup(self) -> Soup {
+        if self.ends.iter().zip(1..).all(|(&end, face)| end == 3 * face) {
+            let triangles = self.corners.chunks_exact(3).map(|face| [face[0], face[1], face[2]]).collect();
+            let regions = Regions::from_marks(&self.marks, self.ends.len());
+            return Soup { points: self.points, triangles, regions };
+        }
+        let mut triangles = Vec::with_capacity(self.corners.len());
+        let mut marks = Vec::with_capacity(self.marks.len());
+        let mut names = self.marks.iter().peekable();
+        for (index, face) in self.faces().enumerate() {
+            while let Some((_, name)) = names.next_if(|mark| mark.0 == index) {
+                marks.push((triangles.len(), name.clone()));
+            }
+            if let &[a, b, c] = face {
+                triangles.push([a, b, c]);
+                continue;
+            }
+            let corners: Vec<_> = face.iter().map(|&index| DVec3::from_array(self.points[index as usize])).collect();
+            triangles.extend(polygon::triangulate(&corners).iter().map(|ear| ear.map(|place| face[place])));
+        }
+        let regions = Regions::from_marks(&marks, triangles.len());
+        Soup { points: self.points, triangles, regions }
+    }
+}

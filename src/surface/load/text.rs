@@ -1,0 +1,39 @@
+//! Words and numbers of text formats.
+
+use super::Fault;
+
+/// What is between the blanks of a line.
+pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+/// A number; it may be infinite or NaN.
+pub fn number(word: &[u8]) -> Result<f64, Fault> {
+    parsed(word).ok_or_else(|| Fault::NotANumber { word: shown(word) })
+}
+
+/// The coordinates of a vertex, of which there must be at least three.
+pub fn coordinates<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> Result<[f64; 3], Fault> {
+    let mut point = [0.0; 3];
+    for (count, coordinate) in point.iter_mut().enumerate() {
+        let word = words.next().ok_or(Fault::TooFewCoordinates { count })?;
+        *coordinate = number(word)?;
+    }
+    Ok(point)
+}
+
+/// A word of ASCII as whatever it can be read as.
+pub fn parsed<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// A word as an error message can show it: shortened.
+pub fn shown(word: &[u8]) -> String {
+    const MOST: usize = 32;
+    // A character has at most four bytes.
+    let mut short: String = String::from_utf8_lossy(&word[..word.len().min(4 * MOST)]).chars().take(MOST).collect();
+    if short.len() < word.len() {
+        short.push_str("...");
+    }
+    short
+}
