@@ -2,9 +2,10 @@
 //!
 //! # Practice
 //! Where more than two triangles meet at an edge, they are paired as the walls of solids ([`Joint::pair`]); where that fails none
-//! is another's neighbour: the surface is cut into sheets that share the edge, and each has its own vertices. Where fans
-//! touch in a vertex alone, each has its own as well. Which vertices are at one place is kept, so that the mesh can be
-//! joined there again. Solids in contact along a flat wall are not joined in its inside.
+//! is another's neighbour: the surface is cut into sheets that share the edge, and each has its own vertices. Sheets are
+//! oriented before they are paired with others, so that the edges of a seam are all paired alike. Where fans touch in a
+//! vertex alone, each has its own as well. Which vertices are at one place is kept, so that the mesh can be joined there
+//! again. Solids in contact along a flat wall are not joined in its inside.
 
 use super::{Frame, NONE, Repairs, SurfaceError, next, previous};
 use glam::Vec3;
@@ -29,13 +30,22 @@ pub(super) fn orient(
     frame: &Frame,
     repairs: &mut Repairs,
 ) -> Result<Adjacency, SurfaceError> {
-    let Pairs { pairs, seams, inside_walls } = pair(points, triangles, frame, repairs);
-    let turned = turn(points, triangles, &pairs, frame)?;
+    let Pairs { mut pairs, mut joints, inside_walls } = pair(points, triangles, frame, repairs);
+    let mut turned = turn_alike(points, triangles, &mut pairs, &mut joints, frame)?;
+    if !joints.is_empty() {
+        for joint in &joints {
+            for (&h, partner) in joint.iter().zip(Joint::new(points, triangles, joint).pair()) {
+                pairs[h as usize] = partner.map_or(NONE, |k| joint[k]);
+            }
+        }
+        let again = turn_alike(points, triangles, &mut pairs, &mut joints, frame)?;
+        turned.iter_mut().zip(again).for_each(|(turned, again)| *turned ^= again);
+    }
     for (triangle, _) in triangles.iter().zip(&turned).filter(|&(_, &turned)| turned) {
         repairs.flipped_triangles.note(|| frame.near(points[triangle[0] as usize].as_dvec3().into()));
     }
-    let twins = turn_over(triangles, pairs, &turned);
-    let mut seams: Vec<u32> = seams.into_iter().map(|h| renumbered(h, &turned)).collect();
+    let twins = pairs;
+    let mut seams = joints.concat();
     seams.sort_unstable();
     let same_place = one_fan_each(points, triangles, &twins, |vertex, place| {
         let joined = inside_walls.binary_search(&vertex).is_err();
@@ -51,8 +61,8 @@ pub(super) fn orient(
 struct Pairs {
     /// The other half-edge on the same two vertices, whatever its direction; [`NONE`] where there is none.
     pairs: Vec<u32>,
-    /// The half-edges along which sheets or solids meet.
-    seams: Vec<u32>,
+    /// The half-edges of each edge along which sheets or solids meet; none is paired yet.
+    joints: Vec<Vec<u32>>,
     /// The points inside flat walls between solids, sorted.
     inside_walls: Vec<u32>,
 }
@@ -67,7 +77,7 @@ fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame, repairs: &mut Re
         .collect();
     edges.par_sort_unstable();
     let mut pairs = vec![NONE; edges.len()];
-    let (mut seams, mut in_walls, mut on_seams) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut joints, mut in_walls, mut on_seams) = (Vec::new(), Vec::new(), Vec::new());
     for run in edges.chunk_by(|a, b| a.0 == b.0) {
         match *run {
             [_] => {}
@@ -77,16 +87,15 @@ fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame, repairs: &mut Re
             }
             _ => {
                 let ends = [run[0].0 >> 32, run[0].0 & 0xffff_ffff].map(|v| v as u32);
-                let joint = Joint::new(points, triangles, ends, run);
-                let partners = joint.pair();
-                for (&(_, h), partner) in run.iter().zip(&partners) {
-                    pairs[h as usize] = partner.map_or(NONE, |k| run[k].1);
-                }
-                if joint.is_flat(&partners) {
+                let half_edges: Vec<u32> = run.iter().map(|edge| edge.1).collect();
+                if let Some(partners) = Joint::new(points, triangles, &half_edges).walls() {
                     in_walls.extend(ends);
+                    for (&h, partner) in half_edges.iter().zip(partners) {
+                        pairs[h as usize] = partner.map_or(NONE, |k| half_edges[k]);
+                    }
                 } else {
                     on_seams.extend(ends);
-                    seams.extend(run.iter().map(|&(_, h)| h));
+                    joints.push(half_edges);
                     let [a, b] = ends.map(|v| points[v as usize].as_dvec3());
                     repairs.joined_edges.note(|| frame.near(a.midpoint(b).into()));
                 }
@@ -96,7 +105,7 @@ fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame, repairs: &mut Re
     on_seams.sort_unstable();
     in_walls.retain(|v| on_seams.binary_search(v).is_err());
     in_walls.sort_unstable();
-    Pairs { pairs, seams, inside_walls: in_walls }
+    Pairs { pairs, joints, inside_walls: in_walls }
 }
 
 /// An edge where more than two triangles meet.
@@ -111,17 +120,18 @@ const LEAST_WEDGE: f64 = 1e-5;
 const FLAT: f64 = 0.1;
 
 impl Joint {
-    fn new(points: &[Vec3], triangles: &[[u32; 3]], ends: [u32; 2], run: &[(u64, u32)]) -> Self {
-        let [a, b] = ends.map(|v| points[v as usize].as_dvec3());
+    fn new(points: &[Vec3], triangles: &[[u32; 3]], half_edges: &[u32]) -> Self {
+        let origin = |h: u32| triangles[h as usize / 3][h as usize % 3];
+        let start = origin(half_edges[0]);
+        let [a, b] = [start, origin(next(half_edges[0]))].map(|v| points[v as usize].as_dvec3());
         let along = (b - a).normalize_or_zero();
         let x = along.any_orthonormal_vector();
         let y = along.cross(x);
-        let side = |&(_, h): &(u64, u32)| {
-            let triangle = triangles[h as usize / 3];
-            let away = points[triangle[previous(h) as usize % 3] as usize].as_dvec3() - a;
-            (away.dot(y).atan2(away.dot(x)), triangle[h as usize % 3] == ends[0])
+        let side = |&h: &u32| {
+            let away = points[origin(previous(h)) as usize].as_dvec3() - a;
+            (away.dot(y).atan2(away.dot(x)), origin(h) == start)
         };
-        Self { sides: run.iter().map(side).collect() }
+        Self { sides: half_edges.iter().map(side).collect() }
     }
 
     /// The angle from one side to another through what lies behind the first, from 0 to 2 pi.
@@ -145,10 +155,24 @@ impl Joint {
         if mutual { partners } else { vec![None; count] }
     }
 
-    /// Whether each pair is one flat wall.
-    fn is_flat(&self, partners: &[Option<usize>]) -> bool {
+    /// The partners where each pair is one flat wall.
+    fn walls(&self) -> Option<Vec<Option<usize>>> {
+        let partners = self.pair();
         let flat = |(from, to): (usize, &Option<usize>)| to.is_some_and(|to| (self.behind(from, to) - PI).abs() < FLAT);
-        partners.iter().enumerate().all(flat)
+        if partners.iter().enumerate().all(flat) { Some(partners) } else { self.across() }
+    }
+
+    /// The partners where all sides lie in one plane, as many on either side of the edge: they may look any way, as the
+    /// wall of a solid does that is inside out.
+    fn across(&self) -> Option<Vec<Option<usize>>> {
+        let off = |k: usize| self.behind(0, k).rem_euclid(TAU);
+        let (far, near): (Vec<usize>, Vec<usize>) = (0..self.sides.len()).partition(|&k| (off(k) - PI).abs() < FLAT);
+        let flat = near.iter().all(|&k| off(k).min(TAU - off(k)) < FLAT) && far.len() == near.len();
+        let mut partners = vec![None; self.sides.len()];
+        for (&k, &other) in near.iter().zip(&far) {
+            (partners[k], partners[other]) = (Some(other), Some(k));
+        }
+        flat.then_some(partners)
     }
 }
 
@@ -223,8 +247,22 @@ fn encloses(triangles: &[[u32; 3]], turned: &[bool], open: &[u32]) -> bool {
     passes.chunk_by(|a, b| a.0 == b.0).all(|run| run.iter().map(|pass| pass.1).sum::<i32>() == 0)
 }
 
+/// Turns triangles over so that those that are paired look the same way; tells which.
+fn turn_alike(
+    points: &[Vec3],
+    triangles: &mut [[u32; 3]],
+    pairs: &mut Vec<u32>,
+    joints: &mut [Vec<u32>],
+    frame: &Frame,
+) -> Result<Vec<bool>, SurfaceError> {
+    let turned = turn(points, triangles, pairs, frame)?;
+    *pairs = turn_over(triangles, pairs, &turned);
+    joints.iter_mut().flatten().for_each(|h| *h = renumbered(*h, &turned));
+    Ok(turned)
+}
+
 /// Turns triangles over (corners 1 and 2 change places) and renumbers the pairs of half-edges accordingly.
-fn turn_over(triangles: &mut [[u32; 3]], pairs: Vec<u32>, turned: &[bool]) -> Vec<u32> {
+fn turn_over(triangles: &mut [[u32; 3]], pairs: &[u32], turned: &[bool]) -> Vec<u32> {
     let mut twins = vec![NONE; pairs.len()];
     for (h, &pair) in pairs.iter().enumerate() {
         if pair != NONE {
