@@ -234,3 +234,6 @@ fn slopes(surface: &Surface, bends: &[Curvature], turns: &[f64]) -> Vec<f64> {
         .map(|((sum, area), bend)| sum.dot(bend.directions[0]) / area.max(f64::MIN_POSITIVE))
         .collect()
 }
+
+#[cfg(test)]
+mod tests;
