@@ -52,6 +52,80 @@ fn on_a_rectangle_the_field_is_constant() {
     }
 }
 
+/// A developable surface: the soup, and its triangles' corners laid out in the plane.
+struct Developed {
+    soup: Soup,
+    laid_out: Vec<[[f64; 2]; 3]>,
+}
+
+/// `columns` by `rows` quads between `place(i, j)`, which gives a point in space and its place in the plane.
+fn developed(columns: usize, rows: usize, place: impl Fn(usize, usize) -> ([f64; 3], [f64; 2])) -> Developed {
+    let grid = flat(columns, rows, 1.0);
+    let (points, plane): (Vec<_>, Vec<_>) =
+        grid.points.iter().map(|p| place(p[0].round() as usize, p[1].round() as usize)).unzip();
+    let laid_out = grid.triangles.iter().map(|corners| corners.map(|corner| plane[corner as usize])).collect();
+    Developed { soup: Soup { points, triangles: grid.triangles, ..Soup::default() }, laid_out }
+}
+
+/// A tube of flat strips along z, a whole turn round; its ends are open.
+fn tube(columns: usize, rows: usize) -> Developed {
+    let width = 2.0 * (std::f64::consts::PI / columns as f64).sin();
+    developed(columns, rows, |i, j| {
+        // The last column is the first, for welding.
+        let (s, c) = (std::f64::consts::TAU * (i % columns) as f64 / columns as f64).sin_cos();
+        let height = 0.7 * width * j as f64;
+        ([c, s, height], [width * i as f64, height])
+    })
+}
+
+/// A cone of flat strips, cut open, half a turn round, that lies in the plane as a square with a smaller one taken out of
+/// one corner: all its sides are straight there.
+fn cone(columns: usize, rows: usize) -> Developed {
+    use std::f64::consts::PI;
+    // Strips that are `narrow` wide at the apex in the plane make half a turn in space: of two unit vectors along
+    // neighbouring rulings, cos narrow = sin^2 cos(turn) + cos^2, with the angle between ruling and axis.
+    let (narrow, turn) = (FRAC_PI_2 / columns as f64, PI / columns as f64);
+    let sine = ((1.0 - narrow.cos()) / (1.0 - turn.cos())).sqrt();
+    developed(columns, rows, |i, j| {
+        let (s, c) = (narrow * i as f64).sin_cos();
+        let along = (1.0 + j as f64 / rows as f64) / s.max(c);
+        let (around_s, around_c) = (turn * i as f64).sin_cos();
+        let radius = along * sine;
+        ([radius * around_c, radius * around_s, along * (1.0 - sine * sine).sqrt()], [along * s, along * c])
+    })
+}
+
+/// The largest angle between a field and the direction of x in the plane.
+fn off_constant(field: &Field, laid_out: &[[[f64; 2]; 3]]) -> f64 {
+    let off = |(crosses, [a, b, _]): (&[Complex; 3], &[[f64; 2]; 3])| {
+        let edge = (b[1] - a[1]).atan2(b[0] - a[0]);
+        crosses.iter().map(|&z| wrapped(angle(z) + edge).abs()).fold(0.0, f64::max)
+    };
+    field.in_triangles().iter().zip(laid_out).map(off).fold(0.0, f64::max)
+}
+
+#[test]
+fn on_developable_surfaces_the_field_is_constant() {
+    let square = developed(150, 150, |i, j| {
+        let (s, c) = 0.3f64.sin_cos();
+        let [x, y] = [i as f64, j as f64];
+        ([c * x - s * y, s * x + c * y, 0.0], [x, y])
+    });
+    for (name, developed) in [("square", square), ("tube", tube(200, 150)), ("cone", cone(200, 120))] {
+        let surface = surface(&developed.soup);
+        assert_eq!(surface.triangle_count(), developed.laid_out.len(), "{name}");
+        let constant = field(&surface, &[]);
+        let off = off_constant(&constant, &developed.laid_out);
+        println!("{name}: {off:.1e} radians from constant");
+        // A triangle's crosses are turned to its first edge in f32: 2^-24 of four times the angle; the field's links are
+        // unit numbers of as many digits, and their errors add up over some hundred rows.
+        assert!(off < 1e-4, "{name}: {off}");
+        let middle = developed.soup.points[developed.soup.points.len() / 2];
+        let guide = Guide::vector(middle, [0.3, 0.2, 0.6]);
+        assert!(off_constant(&field(&surface, &[guide]), &developed.laid_out) > 0.1, "{name}: a guide bends it");
+    }
+}
+
 #[test]
 fn a_guide_is_followed_within_its_radius() {
     let soup = flat(40, 40, 1.0);
@@ -101,20 +175,16 @@ fn across(columns: usize, degrees: f64) -> Vec<f64> {
 
 #[test]
 fn between_two_directions_the_field_interpolates() {
-    let (columns, degrees) = (16, 20.0);
+    let (columns, degrees) = (32, 20.0);
     let found = across(columns, degrees);
     // The guides reach the nearest triangle too, which may lie on the near side: the last column but one is not tested.
     assert!(found[0].abs() < 1e-3 && (found[columns] - degrees).abs() < 1e-3, "{found:?}");
+    // Four times the angle is what is interpolated, linearly: the chord between two representation numbers, not the arc.
     let turn = 4.0 * degrees.to_radians();
+    let harmonic = |x: f64| (x * turn.sin()).atan2(1.0 + x * (turn.cos() - 1.0)).to_degrees() / 4.0;
     for (i, &angle) in found.iter().enumerate().take(columns - 1) {
-        let share = i as f64 / columns as f64;
-        // Unnormalised sweeps give the chord between the two numbers, normalised ones the arc; a mix lies between.
-        let arc = degrees * share;
-        let chord = (share * turn.sin()).atan2(1.0 + share * (turn.cos() - 1.0)).to_degrees() / 4.0;
-        let (low, high) = (arc.min(chord), arc.max(chord));
-        // What the sweeps leave of the error: a column's worth of the turn.
-        let slack = degrees / columns as f64;
-        assert!((low - slack..=high + slack).contains(&angle), "column {i}: {angle}, not {low} to {high}: {found:?}");
+        let wanted = harmonic(i as f64 / columns as f64);
+        assert!((angle - wanted).abs() < 0.5, "column {i}: {angle}, not {wanted}: {found:?}");
     }
     assert!(found.windows(2).all(|w| w[1] >= w[0] - 1e-3), "monotone: {found:?}");
     let opposite = across(columns, -degrees);
@@ -428,9 +498,12 @@ fn aligned_the_field_follows_curvature() {
         soup.points.iter_mut().for_each(|p| *p = p.map(|x| x * scale));
         let torus = surface(&soup);
         let align = weight.map(|weight| Align { weight, side: None });
-        let options = FieldOptions { align, ..FieldOptions::default() };
+        // Without it the field obeys a guide at 45 degrees on the side of positive x; the other side is measured.
+        let guide = Guide::vector([1.4 * scale, 0.0, 0.0], [0.0, 1.0, 1.0]);
+        let options = FieldOptions { align, ..FieldOptions::guided([guide]) };
         let field = Field::new(&torus, &options, &Cpu).expect("the CPU does not fail");
-        let off = sow::sow(&torus, &field, 0.03).into_iter().map(|tile| {
+        let far = sow::sow(&torus, &field, 0.03).into_iter().filter(|tile| tile.position[0] < 0.0);
+        let off = far.map(|tile| {
             let [at, axis] = [tile.position, tile.axis].map(|v| DVec3::from(v.map(f64::from)));
             let parallel = DVec3::new(-at.y, at.x, 0.0).normalize();
             let off = axis.dot(parallel).clamp(-1.0, 1.0).acos();

@@ -7,9 +7,11 @@ use std::path::Path;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, TypeInner};
+use quadmosaic::field::{Link, Row};
+use quadmosaic::gpu::conjugate::Sum;
 use quadmosaic::gpu::grid::GridSettings;
 use quadmosaic::gpu::relax::Triangle;
-use quadmosaic::gpu::smooth::{Link, Sweep};
+use quadmosaic::gpu::smooth::{Sweep, Transfer};
 use quadmosaic::gpu::{Access, GpuError, Program, WORKGROUP};
 use quadmosaic::mosaic::Tile;
 
@@ -113,7 +115,10 @@ fn shared_records() -> Vec<(&'static str, Layout)> {
         ("Grid", layout!(GridSettings: count, stride, mask, per_unit)),
         ("Tile", layout!(Tile: position, h, normal, triangle, axis, quarters)),
         ("Triangle", layout!(Triangle: corners, beyond)),
-        ("Sweep", layout!(Sweep: count, unit)),
+        ("Sweep", layout!(Sweep: count, step)),
+        ("Row", layout!(Row: start, diagonal, anchor)),
+        ("Transfer", layout!(Transfer: fine, coarse)),
+        ("Sum", layout!(Sum: count, numerator, denominator, to)),
     ]
 }
 

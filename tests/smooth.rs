@@ -8,23 +8,27 @@ use quadmosaic::gpu::{Gpu, GpuBackend};
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Surface};
 
+/// So many that two levels are finer than the one that the smoothing sets out from.
+const TRIANGLES: usize = 70_000;
+
 /// The crosses of an example on both backends.
 fn both(gpu: &Gpu, name: &str, guides: &[Guide]) -> [Vec<Complex>; 2] {
-    let soup = name.parse::<Example>().unwrap().generate(6000);
+    let soup = name.parse::<Example>().unwrap().generate(TRIANGLES);
     let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap();
     let backend = GpuBackend::new(gpu).unwrap();
     let backends: [&dyn Backend; 2] = [&Cpu, &backend];
     backends.map(|backend| Field::new(&surface, &FieldOptions::guided(guides), backend).unwrap().crosses().to_vec())
 }
 
-/// What differs, the worst cross first. A software adapter must give the same bits. On a hardware one each sweep is a
-/// mean of unit numbers, which does not enlarge the error of a rounding (2^-23); a few hundred sweeps make 1e-4.
+/// What differs, the worst cross first. A software adapter must give the same bits. On a hardware one a sum may be rounded
+/// otherwise, by some 2^-23; the equations answer an error that is alike over `n` rows of cells by about `n * n / 10` times
+/// as much, and examples of this size have some 200 rows: 1e-3.
 fn difference(gpu: &Gpu, cpu: &[Complex], other: &[Complex]) -> Option<String> {
     let off = |i: usize| (cpu[i][0] - other[i][0]).hypot(cpu[i][1] - other[i][1]);
     let bits = |z: Complex| z.map(f32::to_bits);
     let hardware = gpu.adapter().hardware;
     let differs =
-        |i: &usize| if hardware { off(*i).is_nan() || off(*i) > 1e-4 } else { bits(cpu[*i]) != bits(other[*i]) };
+        |i: &usize| if hardware { off(*i).is_nan() || off(*i) > 1e-3 } else { bits(cpu[*i]) != bits(other[*i]) };
     let wrong: Vec<usize> = (0..cpu.len()).filter(differs).collect();
     let worst = wrong.iter().copied().max_by(|&i, &j| off(i).total_cmp(&off(j)))?;
     Some(format!("{} of {} differ, most cross {worst}: {:?} {:?}", wrong.len(), cpu.len(), cpu[worst], other[worst]))
@@ -55,6 +59,6 @@ fn one_bit_is_noticed() {
     let [cpu, mut other] = both(gpu, "sphere", &[]);
     let last = other.len() - 1;
     other[last][1] =
-        if gpu.adapter().hardware { other[last][1] + 1e-3 } else { f32::from_bits(other[last][1].to_bits() ^ 1) };
+        if gpu.adapter().hardware { other[last][1] + 1e-2 } else { f32::from_bits(other[last][1].to_bits() ^ 1) };
     assert!(difference(gpu, &cpu, &other).is_some());
 }

@@ -14,6 +14,7 @@ use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::fill;
 use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
+use quadmosaic::surface::{Repairs, shown};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -119,13 +120,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         print(&summary::of_run(&report))?;
     }
     warn_of(outcome.field.guides());
-    let dropped = &report.surface.repairs.dropped_specks;
-    if let Some([x, y, z]) = dropped.at.first() {
-        let parts = summary::counted(dropped.count, "part");
-        eprintln!(
-            "warning: {parts} too small to have a shape left out, the first at ({x}, {y}, {z}); mesh small parts apart"
-        );
-    }
+    warn_of_repairs(&report.surface.repairs);
     if !report.faults.is_clean() {
         eprintln!("warning: {} has {}", arguments.output.display(), report.faults);
     }
@@ -133,6 +128,24 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         eprintln!("warning: {warning}");
     }
     Ok(())
+}
+
+/// Tells what the mesh has or lacks that a reader of the file may not expect.
+fn warn_of_repairs(repairs: &Repairs) {
+    if let Some(place) = repairs.joined_edges.at.first() {
+        let edges = summary::counted(repairs.joined_edges.count, "edge");
+        eprintln!(
+            "warning: {edges} of more than two triangles, the first at {}; sheets meet there, in the mesh too",
+            shown(place)
+        );
+    }
+    if let Some(place) = repairs.dropped_specks.at.first() {
+        let parts = summary::counted(repairs.dropped_specks.count, "part");
+        eprintln!(
+            "warning: {parts} too small to have a shape left out, the first at {}; mesh small parts apart",
+            shown(place)
+        );
+    }
 }
 
 /// A count is told to be wrong where it misses by more than this share.

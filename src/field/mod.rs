@@ -19,6 +19,7 @@ mod align;
 mod guide_file;
 mod guides;
 mod hierarchy;
+mod outset;
 mod sectors;
 mod singularities;
 pub mod smooth;
@@ -26,7 +27,7 @@ pub mod smooth;
 pub use align::Align;
 pub use guide_file::{GuideFault, GuideFileError, read_guides};
 pub use guides::{Guide, GuideReport, GuideTrouble, Trace};
-pub use hierarchy::{Hierarchy, Level};
+pub use hierarchy::{Hierarchy, Level, Link, Row};
 pub use sectors::Sectors;
 pub use singularities::{Seat, Singularity};
 

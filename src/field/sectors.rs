@@ -145,6 +145,12 @@ impl Sectors {
         self.begin[c] + share * (self.end[c] - self.begin[c])
     }
 
+    /// The cotangent of a corner's unscaled angle.
+    pub(crate) fn cotangent(&self, corner: u32) -> f64 {
+        let (s, c) = self.corner_angle[corner as usize].sin_cos();
+        c / s.max(1e-9)
+    }
+
     /// The angle that reads a cross at the far end of a half-edge in the frame of the sector it leaves: add it.
     pub(crate) fn transport(&self, half_edge: u32) -> f64 {
         self.begin[half_edge as usize] - self.end[next(half_edge) as usize]
@@ -311,6 +317,26 @@ mod tests {
             wrong.end[next(edge) as usize] += 0.1;
             let found = quarters(&surface, &wrong, field.crosses());
             assert!(found.iter().any(|q| (q - q.round()).abs() > 1e-2), "{name}: a wrong angle is seen");
+        }
+    }
+
+    #[test]
+    fn a_sphere_has_eight_singularities_and_a_torus_none() {
+        for (name, wanted) in [("sphere", 8), ("torus", 0)] {
+            for triangles in [3_000, 20_000] {
+                let soup = name.parse::<Example>().expect("an example's name").generate(triangles);
+                let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+                let field =
+                    Field::new(&surface, &crate::field::FieldOptions::default(), &Cpu).expect("the CPU does not fail");
+                let singular = |crosses: &[Complex]| {
+                    let found = quarters(&surface, field.sectors(), crosses);
+                    found.into_iter().map(|q| q.round() as i64).filter(|&q| q != 0).collect::<Vec<_>>()
+                };
+                assert_eq!(singular(field.crosses()), vec![1; wanted], "{name} of {triangles} triangles");
+                let mut other = field.crosses().to_vec();
+                other[1_000] = rotate(other[1_000], FRAC_PI_2 / 2.0);
+                assert_ne!(singular(&other), vec![1; wanted], "{name}: a wrong cross is seen");
+            }
         }
     }
 

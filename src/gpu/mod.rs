@@ -11,6 +11,7 @@
 
 mod backend;
 mod buffer;
+pub mod conjugate;
 mod device;
 mod error;
 pub mod grid;

@@ -42,7 +42,7 @@ pub(super) fn orient(
         turned.iter_mut().zip(again).for_each(|(turned, again)| *turned ^= again);
     }
     for (triangle, _) in triangles.iter().zip(&turned).filter(|&(_, &turned)| turned) {
-        repairs.flipped_triangles.note(|| frame.to_model(points[triangle[0] as usize].as_dvec3().into()));
+        repairs.flipped_triangles.note(|| frame.near(points[triangle[0] as usize].as_dvec3().into()));
     }
     let twins = pairs;
     let mut seams = joints.concat();
@@ -50,7 +50,7 @@ pub(super) fn orient(
     let same_place = one_fan_each(points, triangles, &twins, |vertex, place| {
         let joined = inside_walls.binary_search(&vertex).is_err();
         if joined {
-            repairs.joined_vertices.note(|| frame.to_model(place.as_dvec3().into()));
+            repairs.joined_vertices.note(|| frame.near(place.as_dvec3().into()));
         }
         joined
     });
@@ -97,7 +97,7 @@ fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame, repairs: &mut Re
                     on_seams.extend(ends);
                     joints.push(half_edges);
                     let [a, b] = ends.map(|v| points[v as usize].as_dvec3());
-                    repairs.joined_edges.note(|| frame.to_model(a.midpoint(b).into()));
+                    repairs.joined_edges.note(|| frame.near(a.midpoint(b).into()));
                 }
             }
         }
@@ -209,7 +209,7 @@ fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -
                     component.push(other);
                     queue.push_back(other);
                 } else if turned[other] != wanted {
-                    let at = frame.to_model(points[origin(h) as usize].as_dvec3().into());
+                    let at = frame.near(points[origin(h) as usize].as_dvec3().into());
                     return Err(SurfaceError::NotOrientable { triangle: t, at });
                 }
             }

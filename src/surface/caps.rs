@@ -31,7 +31,7 @@ pub(super) fn flip(
             let flipped = corners.flip_cap(t, seams);
             if flipped {
                 let apex = corners.triangles[t as usize][0];
-                repairs.flipped_caps.note(|| frame.to_model(points[apex as usize].as_dvec3().into()));
+                repairs.flipped_caps.note(|| frame.near(points[apex as usize].as_dvec3().into()));
             }
             !flipped
         });

@@ -24,7 +24,7 @@
 //! is measured.
 
 use super::{NONE, Surface, next_corner, previous_corner};
-use glam::{DMat3, DVec3, Mat3};
+use glam::{DMat3, DVec3, Mat3, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::f64::consts::{FRAC_2_PI, PI};
@@ -34,6 +34,14 @@ use std::mem;
 const SPACING: f64 = 1.0 / 3.0;
 /// The share of the radius at which the weight of a measured vertex has fallen to zero.
 const REACH: f64 = 0.5;
+
+/// Cells on either side of a disc's middle that its triangles lie in, where bends are summed up beforehand.
+const CELLS: i64 = 2;
+
+/// The cells along z about one.
+fn span_of([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
+    (-CELLS..=CELLS).map(move |k| [x, y, z + k])
+}
 
 /// How the surface bends about a vertex.
 #[derive(Clone, Copy, Debug)]
@@ -149,34 +157,37 @@ impl<'a> Measure<'a> {
         Self { surface, radii, on_feature, corners, turns, normals, areas, tensors }
     }
 
-    /// Which vertices are sure to have a curvature below `least`: not even all turns within twice their disc's reach,
-    /// whatever their directions, would make as much in a quarter of a disc.
+    /// Which vertices are sure to have a curvature below `least`: not even all turns in the cells about a disc, whatever
+    /// their directions, would make as much in the disc's area, or beside features in a quarter of it.
     fn settled(&self, least: f64) -> Vec<bool> {
         let surface = self.surface;
-        let points = || surface.points.par_iter().map(|p| p.as_dvec3());
         if least <= 0.0 {
             return vec![false; surface.vertex_count()];
         }
         let longest = (0..3 * surface.triangle_count() as u32).into_par_iter().map(|h| surface.length(h));
-        let cell = longest.reduce(|| 0.0, f64::max) + self.radii.iter().copied().fold(0.0, f64::max);
-        let cell_of = |p: DVec3| (p / cell).floor().as_i64vec3().to_array();
-        let mut sums: FxHashMap<[i64; 3], f64> = FxHashMap::default();
+        let reach = longest.reduce(|| 0.0, f64::max) + self.radii.iter().copied().fold(0.0, f64::max);
+        let cell_of = |p: Vec3| (p.as_dvec3() / (reach / CELLS as f64)).floor().as_i64vec3().to_array();
+        // Of each cell: the sum of turns times lengths, and whether a feature passes.
+        let mut sums: FxHashMap<[i64; 3], (f64, bool)> = FxHashMap::default();
         for t in 0..surface.triangle_count() {
-            let bend: f64 = (3 * t..3 * t + 3).map(|h| f64::from(self.turns[h]).abs() * surface.length(h as u32)).sum();
-            *sums.entry(cell_of(surface.points[surface.triangles[t][0] as usize].as_dvec3())).or_default() +=
-                bend / 2.0;
+            let (sum, feature) = sums.entry(cell_of(surface.corners(t)[0])).or_default();
+            for h in 3 * t as u32..3 * t as u32 + 3 {
+                *sum += f64::from(self.turns[h as usize]).abs() * surface.length(h) / 2.0;
+                *feature |= surface.features().is_feature(h);
+            }
         }
-        let about = |[x, y, z]: [i64; 3]| -> f64 {
-            (0..27).filter_map(|i| sums.get(&[x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1])).sum()
+        let about = |[x, y, z]: [i64; 3]| {
+            let span = -CELLS..=CELLS;
+            let cells = span.clone().flat_map(|i| span.clone().flat_map(move |j| span_of([x + i, y + j, z])));
+            let found = cells.filter_map(|cell| sums.get(&cell));
+            let (sum, feature) = found.fold((0.0, false), |(s, f), &(sum, feature)| (s + sum, f || feature));
+            if feature { 4.0 * sum } else { sum }
         };
-        let near: FxHashMap<[i64; 3], f64> = sums.keys().map(|&cell| (cell, about(cell))).collect();
-        points()
-            .zip(&self.radii)
-            .map(|(p, radius)| {
-                let sum = near.get(&cell_of(p)).copied().unwrap_or_else(|| about(cell_of(p)));
-                sum < least * PI * radius * radius / 4.0
-            })
-            .collect()
+        let cells: Vec<[i64; 3]> = sums.keys().copied().collect();
+        let bends: FxHashMap<[i64; 3], f64> = cells.par_iter().map(|&cell| (cell, about(cell))).collect();
+        let bend = |p: Vec3| bends.get(&cell_of(p)).copied().unwrap_or_else(|| about(cell_of(p)));
+        let points = surface.points.par_iter().zip(&self.radii);
+        points.map(|(&p, radius)| bend(p) < least * PI * radius * radius).collect()
     }
 
     /// Vertices such that every other that is not `settled` has one of its kind, on features or off them, within the spacing.

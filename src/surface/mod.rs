@@ -64,6 +64,12 @@ impl Frame {
         ((DVec3::from(point) - DVec3::from(self.centre)) / self.diagonal).into()
     }
 
+    /// As [`Frame::to_model`], but rounded to about a millionth of the diagonal: what is left of a place is what is known.
+    pub(crate) fn near(&self, point: [f64; 3]) -> [f64; 3] {
+        let step = 10f64.powf(self.diagonal.log10().floor() - 6.0);
+        self.to_model(point).map(|x| if step > 0.0 { (x / step).round() * step } else { x })
+    }
+
     /// From unit-sized coordinates to model units.
     pub fn to_model(&self, point: [f64; 3]) -> [f64; 3] {
         (DVec3::from(point) * self.diagonal + DVec3::from(self.centre)).into()
@@ -87,7 +93,7 @@ pub enum SurfaceError {
         given: usize,
     },
     /// The triangles of one component cannot be oriented alike.
-    #[error("the surface is not orientable: a one-sided strip passes triangle {triangle} at {at:?}; cut it open there")]
+    #[error("the surface is not orientable: a one-sided strip passes triangle {triangle} at {}; cut it open there", shown(.at))]
     NotOrientable {
         /// A triangle, counted from 0 in the order of the file, where the two orientations meet.
         triangle: usize,
@@ -103,7 +109,7 @@ pub enum SurfaceError {
         number: usize,
     },
     /// A feature edge ends where there is no vertex.
-    #[error("{name}: the surface has no vertex at {at:?}; give the place of one, in the units of the surface")]
+    #[error("{name}: the surface has no vertex at {}; give the place of one, in the units of the surface", shown(.at))]
     NoVertexAt {
         /// What the edge is called.
         name: String,
@@ -111,7 +117,10 @@ pub enum SurfaceError {
         at: [f64; 3],
     },
     /// A feature edge is none of the surface's.
-    #[error("{name}: no edge, and no straight line of edges, joins {from:?} and {to:?}; name edges of the surface")]
+    #[error(
+        "{name}: no edge, and no straight line of edges, joins {} and {}; name edges of the surface",
+        shown(.from), shown(.to)
+    )]
     NoEdges {
         /// What the edge is called.
         name: String,
@@ -136,6 +145,12 @@ pub enum SurfaceError {
         /// The point, counted from 0.
         point: usize,
     },
+}
+
+/// A place as messages say it: seven significant digits are enough to find it.
+pub fn shown(place: &[f64; 3]) -> String {
+    let [x, y, z] = place.map(|x| format!("{x:.6e}").parse().unwrap_or(x) + 0.0);
+    format!("({x}, {y}, {z})")
 }
 
 /// A welded, consistently oriented triangle surface, each sheet of it a manifold, with adjacency and features, in unit-sized coordinates.

@@ -132,7 +132,8 @@ fn features_bound_the_disc() {
         sheet(20, 20, move |x, y| [x - 0.5, y, -slope * (x - 0.5).abs()])
     };
     for place in [[0.0, 0.5, 0.0], [0.1, 0.5, 0.0]] {
-        assert!(near(at(&roof(60.0), 0.2, place).values, [0.0; 2], 1e-6), "{place:?}");
+        // Coordinates are rounded by 2^-25 of a diagonal of 1.5: edges of 0.05 turn by 2e-6, a disc bends by a few 1e-5.
+        assert!(near(at(&roof(60.0), 0.2, place).values, [0.0; 2], 1e-4), "{place:?}");
     }
     let expected = 2.0 * 30f64.to_radians() / (PI * 0.2);
     let smooth = at(&roof(30.0), 0.2, [0.0, 0.5, 0.0]).values;
