@@ -149,3 +149,6 @@ impl Split {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
