@@ -150,6 +150,7 @@ fn a_closed_line_stays_closed_where_it_is_put_on_vertices() {
         line
     };
     assert_eq!(snapped(&surface, places(&|_| 0.5)), places(&|_| 0.5));
+    #[allow(clippy::needless_range_loop, reason = "the edge is a number of an edge, here and in messages")]
     for edge in 0..10 {
         for (end, share) in [(0, 0.01), (1, 0.99)] {
             let line = snapped(&surface, places(&|k| if k == edge { share } else { 0.5 }));
