@@ -88,7 +88,8 @@ impl<'a> Paths<'a> {
     /// The half-edges of the shortest ways between two places, one way for each sheet that has one; `None` where none has a
     /// straight one.
     fn between(&self, from: &[u32], to: &[u32]) -> Option<Vec<u32>> {
-        let ways: Vec<Vec<u32>> = from.iter().filter_map(|&start| self.shortest(start, to)).collect();
+        let ways = from.iter().filter_map(|&start| self.shortest(start, to));
+        let ways: Vec<Vec<u32>> = ways.filter(|way| !way.is_empty()).collect();
         let both = |h: u32| [Some(h), self.surface.twin(h)].into_iter().flatten();
         (!ways.is_empty()).then(|| ways.into_iter().flatten().flat_map(both).collect())
     }

@@ -20,6 +20,7 @@ use super::split::Place;
 use super::{NONE, Surface, next, previous};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::VecDeque;
 
 /// The share of the limit down to which a line is followed.
 const FOLLOWED: f64 = 0.8;
@@ -71,30 +72,44 @@ fn straighten(surface: &Surface, line: &mut [Place]) {
 }
 
 /// Puts places that are nearly at a vertex there, and leaves out those that would make the line turn back on itself.
-fn snapped(surface: &Surface, line: Vec<Place>) -> Vec<Place> {
-    let mut kept: Vec<Place> = Vec::with_capacity(line.len());
-    let at_end = |h: u32, v: u32| surface.origin(h) == v || surface.target(h) == v;
+fn snapped(surface: &Surface, mut line: Vec<Place>) -> Vec<Place> {
+    let closed = line.len() > 1 && line.first() == line.last();
+    if closed {
+        line.pop();
+    }
+    let mut kept: VecDeque<Place> = VecDeque::with_capacity(line.len() + 1);
     for place in line {
         let place = match place {
             Place::Edge(h, share) if share < SNAP => Place::Vertex(surface.origin(h)),
             Place::Edge(h, share) if share > 1.0 - SNAP => Place::Vertex(surface.target(h)),
             other => other,
         };
-        if let Place::Vertex(v) = place {
-            while kept.last().is_some_and(|last| matches!(*last, Place::Edge(h, _) if at_end(h, v))) {
-                kept.pop();
-            }
+        while kept.back().is_some_and(|&last| is_beside(surface, last, place)) {
+            kept.pop_back();
         }
-        let repeats = match (kept.last(), place) {
-            (Some(&Place::Vertex(v)), Place::Edge(h, _)) => at_end(h, v),
-            (Some(&Place::Vertex(v)), Place::Vertex(w)) => v == w,
-            _ => false,
-        };
-        if !repeats {
-            kept.push(place);
+        if !kept.back().is_some_and(|&last| last == place || is_beside(surface, place, last)) {
+            kept.push_back(place);
         }
     }
-    kept
+    // A closed line must not turn back where its ends meet either.
+    while closed && kept.len() > 1 {
+        let (first, last) = (kept[0], kept[kept.len() - 1]);
+        if first == last || is_beside(surface, last, first) {
+            kept.pop_back();
+        } else if is_beside(surface, first, last) {
+            kept.pop_front();
+        } else {
+            kept.push_back(first);
+            break;
+        }
+    }
+    kept.into()
+}
+
+/// Whether a place is on an edge that ends at the vertex where the other one is.
+fn is_beside(surface: &Surface, place: Place, vertex: Place) -> bool {
+    let (Place::Edge(h, _), Place::Vertex(v)) = (place, vertex) else { return false };
+    surface.origin(h) == v || surface.target(h) == v
 }
 
 fn length(surface: &Surface, line: &[Place]) -> f64 {
@@ -180,7 +195,7 @@ impl<'a> Bending<'a> {
                 continue;
             }
             // Both ways from the first edge; the way back is turned round.
-            let mut line = std::collections::VecDeque::from([start]);
+            let mut line = VecDeque::from([start]);
             done[start as usize] = true;
             for (forward, side) in [(true, Some(start)), (false, surface.twin(start))] {
                 let mut side = side;

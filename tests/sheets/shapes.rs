@@ -27,6 +27,10 @@ pub fn all() -> Vec<Shape> {
         straight("two plates that cross", crossing()),
         straight("two boxes at one edge", boxes_at_an_edge()),
         straight("two boxes at one wall", boxes_at_a_wall()),
+        Shape {
+            meant: boxes_at_a_wall(),
+            ..straight("two boxes at one wall given twice", boxes_at_a_wall_given_twice())
+        },
         Shape { meant: boxes_with_walls(0.1), ..straight("two boxes at two walls", boxes_with_walls(0.0)) },
         straight("eight cells of a box", cells()),
         straight("two tetrahedra at one corner", tetrahedra()),
@@ -114,6 +118,13 @@ pub fn boxes_at_a_wall() -> Soup {
     let mut soup = Soup::default();
     walls(&mut soup, [0.0; 3], [1.0; 3], 6, None);
     walls(&mut soup, [1.0, 0.0, 0.0], [1.2, 1.0, 1.0], 6, Some(0));
+    soup
+}
+
+fn boxes_at_a_wall_given_twice() -> Soup {
+    let mut soup = Soup::default();
+    walls(&mut soup, [0.0; 3], [1.0; 3], 6, None);
+    walls(&mut soup, [1.0, 0.0, 0.0], [1.2, 1.0, 1.0], 6, None);
     soup
 }
 

@@ -98,15 +98,16 @@ fn each_way_through_a_triangle_becomes_edges() {
 
 #[test]
 fn the_shorter_diagonal_halves_what_is_left() {
-    for (shares, shorter) in [([0.2, 0.8], true), ([0.8, 0.2], false)] {
-        let surface = two();
-        // The quad is corner 0, the cut on edge 0, the cut on edge 1, corner 2.
-        let split = Split::along(&surface, &[vec![Place::Edge(0, shares[0]), Place::Edge(1, shares[1])]]);
-        let point = |v: usize| split.points[v].as_dvec3();
-        let [to_second, to_first] = [point(0).distance(point(5)), point(4).distance(point(2))];
-        assert_eq!(to_second > to_first, shorter, "the case is the one meant");
-        let joined = |v: u32, w: u32| split.triangles.iter().any(|t| t.contains(&v) && t.contains(&w));
-        assert_eq!([joined(0, 5), joined(4, 2)], [!shorter, shorter], "{shares:?}");
+    // The cuts are vertices 4 and 5; the two diagonals of the quad that is left, the shorter first.
+    let cases = [([(0, 0.8), (1, 0.8)], [[0, 5], [4, 2]]), ([(1, 0.9), (2, 0.1)], [[4, 0], [1, 5]])];
+    for (cuts, diagonals) in cases {
+        let split = Split::along(&two(), &[cuts.map(|(h, share)| Place::Edge(h, share)).to_vec()]);
+        let [shorter, longer] = diagonals.map(|[v, w]: [u32; 2]| {
+            let joined = split.triangles.iter().any(|t| t.contains(&v) && t.contains(&w));
+            (split.points[v as usize].distance(split.points[w as usize]), joined)
+        });
+        assert!(shorter.0 < longer.0, "the case is the one meant");
+        assert_eq!([shorter.1, longer.1], [true, false], "{cuts:?}");
     }
 }
 
