@@ -85,8 +85,8 @@ pub enum SurfaceError {
     Empty,
     /// Nothing is left of the triangles at the precision that is computed with.
     #[error(
-        "none of the {given} triangles has any area: all are narrower than a ten-millionth of the model's size; \
-         check the units of each axis"
+        "none of the {given} triangles has any area: their corners lie on a line, or within a ten-millionth of the \
+         model's size of one; check the coordinates"
     )]
     NoArea {
         /// Triangles that were given.
