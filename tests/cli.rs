@@ -456,6 +456,104 @@ fn check_tells_good_from_broken() {
     assert!(said.contains("none.obj"), "{said}");
 }
 
+/// The triangles of two squares side by side as ASCII STL: solids of these names.
+fn two_solids(names: [&str; 2]) -> String {
+    let solid = |(x, name): (usize, &str)| {
+        let corner = |[i, j]: [usize; 2]| format!("vertex {} {j} 0\n", x + i);
+        let facet = |corners: [[usize; 2]; 3]| {
+            format!("facet normal 0 0 1\nouter loop\n{}endloop\nendfacet\n", corners.map(corner).concat())
+        };
+        let halves = [[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]].map(facet).concat();
+        format!("solid {name}\n{halves}endsolid {name}\n")
+    };
+    (0..).zip(names).map(solid).collect()
+}
+
+#[test]
+fn solids_of_an_stl_file_are_groups_of_the_mesh() {
+    let desk = Desk::new();
+    desk.put("in.stl", two_solids(["left half", "right"]));
+    for more in [&[][..], &["--ignore-regions"]] {
+        desk.said(&[&["mesh", "in.stl", "--points", "200", "-o", "out.obj"], more].concat());
+        let written = text(&desk.bytes("out.obj"));
+        let groups: Vec<&str> = written.lines().filter(|line| line.starts_with('g')).collect();
+        assert_eq!(groups, ["g left half", "g right"], "{more:?}");
+        let before = |mark: &str| written.split_once(mark).expect("it is there").0;
+        assert!(!before("\ng left half\n").contains("\nf "), "all faces have a name");
+        // Faces before the second group lie on the left, the others on the right, up to one across the border.
+        let points: Vec<f64> = written
+            .lines()
+            .filter_map(|line| line.strip_prefix("v "))
+            .map(|at| at.split(' ').next().and_then(|x| x.parse().ok()).expect("a number"))
+            .collect();
+        let middles = |faces: &str| -> Vec<f64> {
+            let face = |line: &str| -> Vec<f64> {
+                line.split(' ').map(|v| points[v.parse::<usize>().expect("a vertex") - 1]).collect()
+            };
+            let faces = faces.lines().filter_map(|line| line.strip_prefix("f ")).map(face);
+            faces.map(|xs| xs.iter().sum::<f64>() / xs.len() as f64).collect()
+        };
+        let (left, right) = written.split_once("\ng right\n").expect("two groups");
+        let slack = if more.is_empty() { 0.0 } else { 0.15 };
+        let [left, right] = [left, right].map(middles);
+        assert!(left.iter().all(|&x| x < 1.0 + slack) && right.iter().all(|&x| x > 1.0 - slack), "{more:?}");
+        assert!(left.len() > 60 && right.len() > 60, "{more:?}");
+    }
+    // Without names there are no groups.
+    desk.put("in.stl", two_solids(["", ""]));
+    desk.said(&["mesh", "in.stl", "--points", "200", "-o", "out.obj"]);
+    assert!(!text(&desk.bytes("out.obj")).contains("\ng"));
+}
+
+#[test]
+fn named_edges_reach_the_mesher() {
+    let desk = Desk::new();
+    desk.put("in.obj", format!("{SQUARE}v 0.5 0.15 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"));
+    desk.put("edges.txt", "# to the middle\n1 5\n1 1 0, 0.5 0.15 0\n");
+    let curves = |more: &[&str]| {
+        let said = [&["mesh", "in.obj", "--points", "100", "-o", "out.obj", "--report", "out.json"], more].concat();
+        desk.said(&said);
+        serde_json::from_slice::<Value>(&desk.bytes("out.json")).expect("it is JSON")["surface"]["curves"].clone()
+    };
+    // Vertices on the way from the first corner to the middle.
+    let on_the_way = || {
+        let mesh = read_mesh(&desk.path("out.obj")).expect("it is a mesh");
+        mesh.points.iter().filter(|p| p[0] < 0.5 && (p[1] - 0.3 * p[0]).abs() < 1e-6).count()
+    };
+    assert_eq!(curves(&[]), 4);
+    assert!(on_the_way() < 3, "the corner, and what lies there by chance");
+    assert_eq!(curves(&["--feature-edges", "edges.txt"]), 4 + 1, "the two edges are one curve");
+    // The way is 0.52 long, and tiles are 0.1.
+    assert!(on_the_way() >= 5, "{}", on_the_way());
+    for (line, message) in [
+        ("1 9", "edges.txt, line 2: there is no vertex 9 in the surface's file"),
+        ("0 0 0 0.3 0.3 0", "edges.txt, line 2: the surface has no vertex at (0.3, 0.3, 0)"),
+        ("1 3", "edges.txt, line 2: no edge, and no straight line of edges, joins (0, 0, 0) and (1, 1, 0)"),
+        ("1 1", "edges.txt, line 2: no edge"),
+        ("1 2 3", "edges.txt, line 2: the edge has 3 numbers"),
+    ] {
+        desk.put("edges.txt", format!("1 5\n{line}\n"));
+        let said = desk.refusal(1, &["mesh", "in.obj", "--feature-edges", "edges.txt", "-o", "other.obj"]);
+        assert!(said.contains(message), "{line}: {said}");
+    }
+}
+
+#[test]
+fn seams_are_reported_with_their_places() {
+    let desk = Desk::new();
+    // Three pages at a spine along z, far from the origin.
+    desk.put("in.obj", "v 70 0 0\nv 70 0 2\nv 73 0 0\nv 68 2 0\nv 68 -2 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
+    desk.said(&["mesh", "in.obj", "--points", "200", "-o", "out.obj", "--report", "out.json"]);
+    let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+    let joined = &report["surface"]["repairs"]["joined_edges"];
+    assert_eq!((&joined["count"], joined["at"].as_array().map(Vec::len)), (&1.into(), Some(1)));
+    for (found, wanted) in joined["at"][0].as_array().expect("a place").iter().zip([70.0, 0.0, 1.0]) {
+        assert!((found.as_f64().expect("a number") - wanted).abs() < 1e-5, "{joined}");
+    }
+    assert_eq!(report["surface"]["repairs"]["dropped_specks"]["count"], 0);
+    assert_eq!(report["faults"]["list"].as_array().map(Vec::len), Some(0), "the mesh branches as the surface does");
+}
+
 #[test]
 fn help_explains_every_subcommand() {
     let desk = Desk::new();

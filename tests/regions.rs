@@ -1,93 +1,94 @@
-//! Named regions: faces of the mesh have the names of the triangles that they lie on, and borders are kept.
+//! Named regions through the whole method: each face has the name of the region that it lies on.
 
 mod common;
 
-use common::surfaces::{distance, unit_corners};
+use common::surfaces::{distance, flat, unit_corners};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
 use quadmosaic::mesh::Mesh;
 use quadmosaic::pipeline::{Fineness, Options, Outcome, run};
-use quadmosaic::surface::{FeatureOptions, Regions, Soup, Surface};
+use quadmosaic::surface::{FeatureOptions, Regions, Soup};
 
-/// Adds a grid of `count` by `count` squares from `origin` along `u` and `v`.
-fn plate(soup: &mut Soup, origin: [f64; 3], u: [f64; 3], v: [f64; 3], count: usize) {
-    let first = soup.points.len() as u32;
-    let [origin, u, v] = [origin, u, v].map(DVec3::from);
-    let share = |i: usize| i as f64 / count as f64;
-    for j in 0..=count {
-        soup.points.extend((0..=count).map(|i| (origin + u * share(i) + v * share(j)).to_array()));
+/// A box of 2 by 1 by 1 whose sides have names, 72 triangles each.
+fn named_box() -> Soup {
+    let mut soup = Soup::default();
+    let [low, high] = [DVec3::ZERO, DVec3::new(2.0, 1.0, 1.0)];
+    let [x, y, z] = [DVec3::X * 2.0, DVec3::Y, DVec3::Z];
+    for (origin, u, v) in [(low, y, x), (high, -x, -y), (low, x, z), (high, -z, -x), (low, z, y), (high, -y, -z)] {
+        let first = soup.points.len() as u32;
+        let side = flat(6, 6, 1.0 / 6.0);
+        soup.points.extend(side.points.iter().map(|&[i, j, _]| (origin + u * i + v * j).to_array()));
+        soup.triangles.extend(side.triangles.iter().map(|t| t.map(|index| first + index)));
     }
-    let at = |i: usize, j: usize| first + (j * (count + 1) + i) as u32;
-    for j in 0..count {
-        for i in 0..count {
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            soup.triangles.extend([[a, b, c], [a, c, d]]);
-        }
-    }
+    let names = ["bottom", "top", "front", "back", "left", "right"].map(str::to_owned);
+    soup.regions = Regions { names: names.to_vec(), of_face: (0..432).map(|t| t / 72).collect() };
+    soup
 }
 
-/// A box from `low` to `high`, outward.
-fn solid(soup: &mut Soup, low: [f64; 3], high: [f64; 3], count: usize) {
-    let [x, y, z] = [0, 1, 2].map(|k| {
-        let mut way = [0.0; 3];
-        way[k] = high[k] - low[k];
-        way
-    });
-    for (origin, u, v) in [(low, y, x), (low, x, z), (low, z, y)] {
-        plate(soup, origin, u, v, count);
-        plate(soup, high, v.map(|c| -c), u.map(|c| -c), count);
-    }
+/// A plate of 2 by 1 of which what lies beyond a zigzag about the middle has another name.
+fn named_plate() -> Soup {
+    let mut soup = flat(20, 10, 0.1);
+    let beyond = |t: &[u32; 3]| u32::from(t.iter().map(|&v| soup.points[v as usize][0]).sum::<f64>() > 3.0);
+    let of_face = soup.triangles.iter().map(beyond).collect();
+    soup.regions = Regions { names: vec!["left".to_owned(), "right".to_owned()], of_face };
+    soup
 }
 
-fn meshed(soup: &Soup, points: usize) -> Outcome {
-    let options = Options::new(Fineness::Points(points));
+fn meshed(soup: &Soup, region_borders: bool) -> Outcome {
+    let features = FeatureOptions { region_borders, ..FeatureOptions::default() };
+    let options = Options { features, ..Options::new(Fineness::Points(500)) };
     run(soup, &options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A box whose sides have names.
-fn named_box() -> Soup {
-    let mut soup = Soup::default();
-    solid(&mut soup, [0.0; 3], [2.0, 1.0, 1.0], 6);
-    let names = ["bottom", "top", "front", "back", "left", "right"].map(str::to_owned);
-    let of_face = (0..soup.triangles.len() as u32).map(|t| t / 72).collect();
-    soup.regions = Regions { names: names.to_vec(), of_face };
-    soup
+/// The share of faces whose middle does not lie on the region that they are named for.
+fn wrong(soup: &Soup, outcome: &Outcome, mesh: &Mesh) -> f64 {
+    let frame = outcome.surface.frame();
+    let off = |face: usize| {
+        let corners = mesh.face(face);
+        let middle = corners.iter().map(|&v| DVec3::from(mesh.points[v as usize])).sum::<DVec3>();
+        let middle = DVec3::from(frame.to_unit((middle / corners.len() as f64).into()));
+        let own = (0..soup.triangles.len()).filter(|&t| soup.regions.of_face[t] == mesh.regions.of_face[face]);
+        own.map(|t| distance(middle, unit_corners(soup, frame, t))).fold(f64::MAX, f64::min) > 1e-6
+    };
+    (0..mesh.face_count()).filter(|&face| off(face)).count() as f64 / mesh.face_count() as f64
 }
 
 #[test]
 fn faces_have_the_names_of_their_regions() {
-    let mut soup = named_box();
-    let frame = *Surface::new(&soup, &FeatureOptions::default()).expect("a box").frame();
-    // How many faces do not lie on the region that they are named for.
-    let wrong = |soup: &Soup, mesh: &Mesh| {
-        let off = |face: usize| {
-            let corners = mesh.face(face);
-            let middle = corners.iter().map(|&v| DVec3::from(mesh.points[v as usize])).sum::<DVec3>();
-            let middle = DVec3::from(frame.to_unit((middle / corners.len() as f64).into()));
-            let own = (0..soup.triangles.len()).filter(|&t| soup.regions.of_face[t] == mesh.regions.of_face[face]);
-            own.map(|t| distance(middle, unit_corners(soup, &frame, t))).fold(f64::MAX, f64::min) > 1e-6
-        };
-        (0..mesh.face_count()).filter(|&face| off(face)).count()
-    };
-    let outcome = meshed(&soup, 500);
-    assert_eq!(outcome.mesh.regions.names, soup.regions.names);
+    for (name, mut soup) in [("box", named_box()), ("plate", named_plate())] {
+        let outcome = meshed(&soup, true);
+        let mesh = &outcome.mesh;
+        assert_eq!(mesh.regions.names, soup.regions.names, "{name}");
+        assert_eq!(mesh.regions.of_face.len(), mesh.face_count(), "{name}");
+        assert!(mesh.regions.of_face.is_sorted(), "{name}: the faces of a region are in a row");
+        assert_eq!(wrong(&soup, &outcome, mesh), 0.0, "{name}");
+        let count = soup.regions.names.len() as u32;
+        soup.regions.of_face.iter_mut().for_each(|region| *region = (*region + 1) % count);
+        assert_eq!(wrong(&soup, &outcome, mesh), 1.0, "{name}: other names would all be wrong");
+    }
+}
+
+#[test]
+fn faces_that_lie_on_two_regions_have_the_name_of_one() {
+    let soup = named_plate();
+    let outcome = meshed(&soup, false);
     assert_eq!(outcome.mesh.regions.of_face.len(), outcome.mesh.face_count());
-    assert_eq!(wrong(&soup, &outcome.mesh), 0);
-    soup.regions.of_face.iter_mut().for_each(|region| *region = (*region + 1) % 6);
-    assert_eq!(wrong(&soup, &outcome.mesh), outcome.mesh.face_count(), "other names would all be wrong");
+    let share = wrong(&soup, &outcome, &outcome.mesh);
+    // Of some 30 by 15 faces two columns at most lie across the border.
+    assert!(share < 2.0 / 30.0, "{share}");
+    let mut other = soup;
+    other.regions = Regions::default();
+    assert_eq!(meshed(&other, false).mesh.regions, Regions::default());
 }
 
 #[test]
 fn borders_of_regions_are_features_unless_told_otherwise() {
-    let mut soup = Soup::default();
-    plate(&mut soup, [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 8);
-    let half = soup.triangles.len() as u32 / 2;
-    let of_face = (0..2 * half).map(|t| u32::from(t >= half)).collect();
-    soup.regions = Regions { names: vec!["low".to_owned(), "high".to_owned()], of_face };
-    let curves = |region_borders: bool| {
-        let options = FeatureOptions { region_borders, ..FeatureOptions::default() };
-        Surface::new(&soup, &options).expect("a plate").features().curves().len()
-    };
-    // The border, and two sides that it parts.
-    assert_eq!((curves(false), curves(true)), (4, 7));
+    let curves = |region_borders: bool| meshed(&named_plate(), region_borders).surface.features().curves().to_vec();
+    // The four sides; two of them are parted by the border, of which there is at least one curve more.
+    assert_eq!(curves(false).len(), 4);
+    assert!(curves(true).len() >= 7);
+    // The box' edges are creases, and so features in any case.
+    for region_borders in [false, true] {
+        assert_eq!(meshed(&named_box(), region_borders).surface.features().curves().len(), 12);
+    }
 }

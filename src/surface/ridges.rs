@@ -12,8 +12,11 @@
 //!
 //! # Practice
 //! A line counts where the surface turns by more than the limit within a tile; it is followed on as long as it turns by
-//! more than a share of that, bridged over short gaps, prolonged to a feature close ahead, and forgotten where it is
-//! shorter than a few tiles. Lines of finer tiles fade by themselves, since less of the bend falls within a tile.
+//! more than a share of that, and forgotten where it is shorter than some tiles. Lines of finer tiles fade by themselves,
+//! since less of the bend falls within a tile.
+//!
+//! A round far narrower than a tile bends by the same angle all across it, as seen at the tile's scale, so noise decides
+//! where its crest is: from about four times its radius on the line breaks up and is forgotten.
 
 use super::curvature::{Curvature, curvatures_above, radius_of_tile};
 use super::split::Place;

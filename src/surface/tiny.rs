@@ -4,7 +4,7 @@
 //! The rule, by the side `h` of a tile, for creases that nobody asked for (not for open boundaries, seams, named edges,
 //! borders of regions, ridges):
 //! - a spur, with an end that no other feature meets, goes where it is shorter than [`SPUR`] tiles;
-//! - a closed one goes where it is shorter than [`LOOP`] tiles;
+//! - a closed one, with a corner or none, goes where it is shorter than [`LOOP`] tiles;
 //! - one between two corners goes where it is shorter than [`SHORT`] tiles.
 //!
 //! The shortest goes first. Where two curves are left at a corner and do not turn there, they are one from then on, so a
@@ -98,6 +98,7 @@ impl<'a> Pieces<'a> {
         let Some(piece) = &self.list[id as usize] else { return false };
         let limit = match piece.ends {
             None => LOOP,
+            Some([start, end]) if start == end => LOOP,
             Some(ends) if ends.iter().any(|end| self.at[end].len() == 1) => SPUR,
             Some(_) => SHORT,
         };
@@ -160,3 +161,6 @@ impl Piece {
         if surface.origin(first) == vertex || surface.target(first) == vertex { first } else { last }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -55,7 +55,10 @@ fn patch(soup: &mut Soup, origin: [f64; 3], [u, v]: [[f64; 3]; 2], [m, n]: [usiz
     }
 }
 
-fn of(patches: &[([f64; 3], [[f64; 3]; 2], [usize; 2])]) -> Soup {
+/// Origin, sides and numbers of cells of a patch.
+type Patch = ([f64; 3], [[f64; 3]; 2], [usize; 2]);
+
+fn of(patches: &[Patch]) -> Soup {
     let mut soup = Soup::default();
     patches.iter().for_each(|&(origin, sides, cells)| patch(&mut soup, origin, sides, cells, false));
     soup

@@ -150,12 +150,11 @@ fn a_closed_line_stays_closed_where_it_is_put_on_vertices() {
         line
     };
     assert_eq!(snapped(&surface, places(&|_| 0.5)), places(&|_| 0.5));
-    #[allow(clippy::needless_range_loop, reason = "the edge is a number of an edge, here and in messages")]
-    for edge in 0..10 {
+    for (edge, &across) in edges.iter().enumerate() {
         for (end, share) in [(0, 0.01), (1, 0.99)] {
             let line = snapped(&surface, places(&|k| if k == edge { share } else { 0.5 }));
-            // Three or four edges meet at each vertex of the band, two of them across it; the line passes it once.
-            let vertex = [surface.origin(edges[edge]), surface.target(edges[edge])][end];
+            // Two of the edges across the band meet at each vertex; the line passes it once.
+            let vertex = [surface.origin(across), surface.target(across)][end];
             assert_eq!(line.first(), line.last(), "edge {edge}, end {end}: {line:?}");
             assert_eq!(line.len(), 10, "edge {edge}, end {end}: {line:?}");
             assert!(line.contains(&Place::Vertex(vertex)), "edge {edge}, end {end}");
