@@ -10,6 +10,7 @@ mod geometry;
 pub mod gpu;
 pub mod mesh;
 pub mod mosaic;
+pub mod picture;
 pub mod pipeline;
 pub mod report;
 pub mod surface;

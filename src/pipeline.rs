@@ -215,7 +215,11 @@ pub fn field(surface: &Surface, count: usize, options: &Options, backend: &dyn B
     Field::new(surface, &FieldOptions { align, ..options.field.clone() }, backend)
 }
 
-fn lay(
+/// A mosaic of nearly `count` tiles; `progress` is told how far it is, from 0 to 1.
+///
+/// # Errors
+/// Where the backend fails.
+pub fn lay(
     surface: &Surface,
     field: &Field,
     backend: &dyn Backend,

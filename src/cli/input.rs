@@ -1,6 +1,7 @@
 //! What is meshed: a file, standard input, or an example surface by name.
 
 use clap::{Args, CommandFactory, error::ErrorKind};
+use quadmosaic::mesh::{Mesh, read_mesh_as};
 use quadmosaic::surface::Soup;
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::load::{self, Format};
@@ -41,6 +42,17 @@ impl Source {
             }
             Input::Example { example, triangles, .. } => example.generate(*triangles),
         })
+    }
+
+    /// The same with polygons as they are in a file; from elsewhere all are triangles.
+    ///
+    /// # Errors
+    /// As [`Source::read`].
+    pub fn read_mesh(&self) -> anyhow::Result<Mesh> {
+        match &self.input {
+            Input::File(path) => Ok(read_mesh_as(path, self.format)?),
+            _ => Ok(self.read()?.into()),
+        }
     }
 
     /// The path, where it is a file.

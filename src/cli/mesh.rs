@@ -3,7 +3,8 @@
 use super::backend::Machine;
 use super::fineness::Wanted;
 use super::input::Source;
-use super::output::{expect_writable, obj_path, print, write_json};
+use super::output::{expect_writable, obj_path, picture_path, print, write_json};
+use super::picture;
 use super::rows::{Rows, warn_of};
 use super::summary;
 use anyhow::Context;
@@ -12,6 +13,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::export::write_obj;
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::fill;
+use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
 use quadmosaic::surface::{Repairs, shown};
@@ -62,6 +64,9 @@ pub struct Arguments {
     #[command(flatten)]
     machine: Machine,
 
+    /// Draw the mesh, as `quadmosaic picture` does
+    #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
+    picture: Option<PathBuf>,
     /// Write what is printed, and more, as JSON
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
@@ -113,6 +118,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         &[("read", reading), ("device", opening + compiling)],
         &[("measure", measuring), ("write", writing)],
     );
+    if let Some(path) = &arguments.picture {
+        write_picture(path, &mesh_scene(&outcome.mesh, Paint::Sides), &View::default(), picture::SIZE)?;
+    }
     if let Some(path) = &arguments.report {
         write_json(path, &report)?;
     }
@@ -167,7 +175,7 @@ impl Arguments {
     /// Before long work: that what it makes can be kept.
     fn expect_writable(&self) -> anyhow::Result<()> {
         let mut taken: Vec<&Path> = self.source.path().into_iter().collect();
-        for path in [&self.output].into_iter().chain(&self.report) {
+        for path in [&self.output].into_iter().chain(&self.picture).chain(&self.report) {
             expect_writable(path, &taken)?;
             taken.push(path);
         }

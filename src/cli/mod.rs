@@ -9,6 +9,7 @@ mod fineness;
 mod input;
 mod mesh;
 mod output;
+mod picture;
 mod rows;
 mod summary;
 
@@ -33,6 +34,7 @@ Examples:
 enum Command {
     Mesh(Box<mesh::Arguments>),
     Field(Box<field::Arguments>),
+    Picture(Box<picture::Arguments>),
     Example(example::Arguments),
     Check(check::Arguments),
     /// Lists the GPU adapters of this machine, the best first
@@ -47,6 +49,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Command::Mesh(arguments) => mesh::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
+        Command::Picture(arguments) => picture::run(&arguments),
         Command::Example(arguments) => example::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Devices => devices::run(),

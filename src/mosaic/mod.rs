@@ -24,6 +24,7 @@ pub mod refine;
 pub mod relax;
 pub mod seat;
 pub mod sow;
+pub mod squares;
 
 pub use relax::Relaxation;
 pub use seat::{Seat, Site};
