@@ -72,7 +72,7 @@ mod tests {
             let [red, green, blue] = Colour::of_quality(quality).0.map(f64::from);
             0.299 * red + 0.587 * green + 0.114 * blue
         };
-        assert!((1..=100).all(|step| light(f64::from(step) / 100.0) >= light(f64::from(step - 1) / 100.0)));
+        assert!((1..=20).all(|step| light(f64::from(step) / 20.0) > light(f64::from(step - 1) / 20.0)));
         assert_eq!(Colour::of_quality(-3.0), Colour::of_quality(0.0));
         assert_eq!(Colour::of_quality(2.0), Colour([232, 241, 244]));
         assert_ne!(Colour::of_quality(0.9), Colour::of_quality(0.8));

@@ -128,7 +128,10 @@ pub(super) fn shaded(sight: &Sight, face: &Face, place: Option<DVec2>) -> Colour
         }
     };
     let seen = sight.camera.seen(normal.as_dvec3()).normalize_or_zero() * if front { 1.0 } else { -1.0 };
-    if front { face.colour.lit(light(seen)) } else { Colour::BACK.lit(0.9 * light(seen)) }
+    // Where colours mean something, they are not to be changed much.
+    let contrast = if sight.scene.legend.is_some() { 0.5 } else { 1.0 };
+    let light = 1.0 - contrast * (1.0 - light(seen));
+    if front { face.colour.lit(light) } else { Colour::BACK.lit(0.9 * light) }
 }
 
 /// The light on a surface with this normal as seen: a lamp above the left shoulder, and the sky.

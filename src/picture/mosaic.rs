@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// Tiles lie so high above the surface, in tile sides: a quarter of a tile, being flat, dips below a surface that turns by
 /// half a radian a tile by 0.03.
-const LIFT: f64 = 0.04;
+const LIFT: f64 = 0.05;
 
 /// Five shades of stone, so that tiles are told apart.
 const STONES: [Colour; 5] = [
@@ -33,6 +33,7 @@ pub fn mosaic_scene(
     let mut scene = surface_scene(surface, Colour::GROUT);
     // Tiles lie over the features.
     scene.lines.clear();
+    scene.ground = scene.faces.len();
     let laid: Vec<_> = mosaic.tiles.par_iter().map(|tile| quarters(surface, tile, 1.0 - grout)).collect();
     for (number, (tile, quarters)) in mosaic.tiles.iter().zip(laid).enumerate() {
         let normal = Vec3::from(tile.normal);

@@ -50,6 +50,8 @@ pub struct Scene {
     pub(super) faces: Vec<Face>,
     pub(super) lines: Vec<Line>,
     pub(super) pens: Vec<Pen>,
+    /// How many faces, the first ones, lie below the others, a little deeper.
+    pub(super) ground: usize,
     /// What the colours mean.
     pub legend: Option<Legend>,
 }

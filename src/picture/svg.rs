@@ -26,8 +26,10 @@ pub(super) fn svg(scene: &Scene, view: &View, size: [u32; 2]) -> Result<String, 
     seen.sort_unstable();
     seen.dedup();
     let lines = seen.split_off(seen.partition_point(|&seen| (seen as usize) < scene.faces.len()));
-    let mut faces: Vec<(f64, u32)> = seen.into_iter().map(|face| (depth(&sight, face), face)).collect();
-    faces.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    // The middle of a large face of the ground may be nearer than what lies on it.
+    let order = |face: u32| (face as usize >= scene.ground, depth(&sight, face), face);
+    let mut faces: Vec<(bool, f64, u32)> = seen.into_iter().map(order).collect();
+    faces.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
 
     let [width, height] = size;
     let mut text = format!(
@@ -35,7 +37,7 @@ pub(super) fn svg(scene: &Scene, view: &View, size: [u32; 2]) -> Result<String, 
          stroke-linecap=\"round\" stroke-linejoin=\"round\">\n<rect width=\"100%\" height=\"100%\" fill=\"{}\"/>\n",
         Colour::PAPER.hex()
     );
-    for &(_, face) in &faces {
+    for &(.., face) in &faces {
         draw_face(&mut text, &sight, &scene.faces[face as usize]);
     }
     for seen in lines {
