@@ -8,6 +8,7 @@ mod field;
 mod fineness;
 mod input;
 mod mesh;
+mod mosaic;
 mod output;
 mod picture;
 mod rows;
@@ -34,6 +35,7 @@ Examples:
 enum Command {
     Mesh(Box<mesh::Arguments>),
     Field(Box<field::Arguments>),
+    Mosaic(Box<mosaic::Arguments>),
     Picture(Box<picture::Arguments>),
     Example(example::Arguments),
     Check(check::Arguments),
@@ -49,6 +51,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Command::Mesh(arguments) => mesh::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
+        Command::Mosaic(arguments) => mosaic::run(&arguments),
         Command::Picture(arguments) => picture::run(&arguments),
         Command::Example(arguments) => example::run(arguments),
         Command::Check(arguments) => check::run(&arguments),

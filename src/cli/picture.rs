@@ -7,6 +7,7 @@ use super::output::{expect_writable, picture_path};
 use super::rows::{Rows, warn_of};
 use anyhow::Context;
 use clap::{Args, ValueEnum};
+use quadmosaic::mosaic::fit::Fit;
 use quadmosaic::picture::{Eye, FieldStyle, Paint, Scene, View, field_scene, mesh_scene, mosaic_scene, write_picture};
 use quadmosaic::pipeline::{self, Fineness, Options, prepare};
 use std::fmt;
@@ -47,7 +48,7 @@ pub struct Arguments {
     /// With --mosaic: the share of a tile's side between it and the next, 0 to 0.9
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = grout, requires = "mosaic", help_heading = "What")]
     grout: f64,
-    /// What the colours of a mesh's faces tell
+    /// What colours tell: of a mesh's faces, or, with --mosaic, of tiles
     #[arg(long, visible_alias = "color", value_enum, default_value_t, help_heading = "What")]
     colour: Colours,
     /// With --field and --mosaic: number of vertices wanted
@@ -99,7 +100,7 @@ enum Colours {
     /// The number of sides of a face
     #[default]
     Sides,
-    /// Its shape
+    /// Its shape; of a tile, how well it sits
     Quality,
 }
 
@@ -142,7 +143,9 @@ impl Arguments {
             Some(Style::Crosses) => field_scene(&surface, &field, FieldStyle::Crosses),
             None => {
                 let mosaic = pipeline::lay(&surface, &field, &*backend, count, &|_| ())?;
-                mosaic_scene(&surface, &mosaic, self.grout as f32, None)
+                let fit = matches!(self.colour, Colours::Quality).then(|| Fit::of(&surface, &mosaic));
+                let fit = fit.as_ref().map(|fit| fit.of_tiles.as_slice());
+                mosaic_scene(&surface, &mosaic, self.grout as f32, fit)
             }
         })
     }

@@ -68,3 +68,80 @@ fn outline(quarters: &[Quarter]) -> Vec<[f32; 3]> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute::Cpu;
+    use crate::field::{Field, FieldOptions};
+    use crate::surface::FeatureOptions;
+    use crate::surface::examples::Example;
+    use glam::DVec3;
+
+    /// Twice the area of a face, as a vector along its normal.
+    fn area(mesh: &Mesh, face: &[u32]) -> DVec3 {
+        let places: Vec<DVec3> = face.iter().map(|&v| mesh.points[v as usize].into()).collect();
+        (1..places.len() - 1).map(|k| (places[k] - places[0]).cross(places[k + 1] - places[0])).sum()
+    }
+
+    /// The tiles on the features of a block, and some in the middle of its triangles.
+    fn block() -> (Surface, Mosaic, f32) {
+        let surface = Surface::new(&Example::Block.generate(2_000), &FeatureOptions::default());
+        let surface = surface.unwrap_or_else(|error| panic!("{error}"));
+        let field = Field::new(&surface, &FieldOptions::default(), &Cpu).unwrap_or_else(|error| panic!("{error}"));
+        let h = (0.1 / surface.frame().diagonal) as f32;
+        let free = (0..surface.triangle_count()).step_by(50).map(|triangle| {
+            let middle = surface.corners(triangle).iter().sum::<Vec3>() / 3.0;
+            Tile::free(&surface, &field, triangle as u32, middle, h)
+        });
+        let mosaic = Mosaic::new(&surface, &field, h, free.collect::<Vec<_>>());
+        (surface, mosaic, h)
+    }
+
+    #[test]
+    fn tiles_on_features_are_laid_on_each_side_and_do_not_pass_them() {
+        let (surface, mosaic, _) = block();
+        let (mesh, tiles) = squares(&surface, &mosaic, 0.2);
+        assert_eq!(tiles.len(), mesh.face_count());
+        assert!(mosaic.sides > 100 && mosaic.free().len() > 20);
+        let mut whole = 0;
+        for (face, &tile) in mesh.faces().zip(&tiles) {
+            let tile = &mosaic.tiles[tile as usize];
+            // The block's flat sides; the bore is round.
+            if tile.normal.iter().any(|x| x.abs() > 0.999)
+                && face.iter().all(|&v| {
+                    let [x, y, _] = mesh.points[v as usize];
+                    x.hypot(y) > 0.8
+                })
+            {
+                let share = f64::from(quarter_count(tile)) / 4.0;
+                let expected = 2.0 * share * 0.08 * 0.08;
+                let found = area(&mesh, face).dot(tile.normal().as_dvec3());
+                // Those that meet an edge of the block are bent along it.
+                whole += usize::from((found - expected).abs() < 1e-4 * expected);
+                assert!(found > -1e-9 && found < 1.001 * expected, "{found} {expected}");
+                assert!(face.iter().all(|&v| {
+                    let way = DVec3::from(mesh.points[v as usize]) - DVec3::from(mesh.points[face[0] as usize]);
+                    way.dot(tile.normal().as_dvec3()).abs() < 1e-6
+                }));
+            }
+        }
+        assert!(whole > 100, "{whole} squares have their full area");
+    }
+
+    #[test]
+    fn a_corner_has_a_quarter_and_a_straight_edge_a_half() {
+        let (surface, mosaic, _) = block();
+        let (mesh, tiles) = squares(&surface, &mosaic, 0.0);
+        for (face, &tile) in mesh.faces().zip(&tiles) {
+            let sides = match mosaic.tiles[tile as usize].quarters {
+                3 => 6,
+                _ => 4,
+            };
+            assert_eq!(face.len(), sides);
+        }
+        let of = |quarters| mosaic.tiles[..mosaic.sides].iter().filter(|tile| tile.quarters == quarters).count();
+        assert_eq!(of(1), 24, "a box has 8 corners, each of three sides");
+        assert!(of(2) > 100);
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::mesh::surface_scene;
 use super::scene::{Corner, NO_PEN};
-use super::{Colour, Scene};
+use super::{Colour, Legend, Scene};
 use crate::mosaic::squares::quarters;
 use crate::mosaic::{Mosaic, Tile};
 use crate::surface::Surface;
@@ -22,14 +22,9 @@ const STONES: [Colour; 5] = [
     Colour([230, 214, 190]),
 ];
 
-/// The tiles of a mosaic on their surface. `grout` is the share of a tile's side between it and the next. `colour` is that
-/// of a tile by number; without it tiles are of stone.
-pub fn mosaic_scene(
-    surface: &Surface,
-    mosaic: &Mosaic,
-    grout: f32,
-    colour: Option<&(dyn Fn(usize) -> Colour + Sync)>,
-) -> Scene {
+/// The tiles of a mosaic on their surface. `grout` is the share of a tile's side between it and the next. `fit` tells how
+/// well each tile sits, from 0 to 1, by colour; without it tiles are of stone.
+pub fn mosaic_scene(surface: &Surface, mosaic: &Mosaic, grout: f32, fit: Option<&[f64]>) -> Scene {
     let mut scene = surface_scene(surface, Colour::GROUT);
     // Tiles lie over the features.
     scene.lines.clear();
@@ -38,13 +33,14 @@ pub fn mosaic_scene(
     for (number, (tile, quarters)) in mosaic.tiles.iter().zip(laid).enumerate() {
         let normal = Vec3::from(tile.normal);
         let lift = normal.as_dvec3() * LIFT * f64::from(tile.h);
-        let colour = colour.map_or_else(|| stone(tile), |colour| colour(number));
+        let colour = fit.map_or_else(|| stone(tile), |fit| Colour::of_quality(fit[number]));
         for quarter in quarters {
             let model = |place: [f32; 3]| surface.frame().to_model((Vec3::from(place).as_dvec3() + lift).into());
             let first = scene.place(quarter.map(model));
             scene.face(&[0, 1, 2, 3].map(|k| Corner { point: first + k, normal, pen: NO_PEN }), colour);
         }
     }
+    scene.legend = fit.map(|_| Legend { title: "fit of tiles".to_owned() });
     scene
 }
 
