@@ -621,7 +621,7 @@ fn pictures_that_cannot_be_are_refused() {
     refused(1, &["-o", "a.png", "--view", "0,0,0"], "leads nowhere");
     refused(1, &["-o", "a.png", "--view", "top", "--up", "0,0,1"], "line of sight");
     refused(1, &["-o", "none/a.png"], "no such folder");
-    refused(2, &["-o", "a.png", "--grout", "0.1"], "--mosaic");
+    refused(2, &["-o", "a.png", "--grout", "0.1"], "required arguments");
     refused(2, &["-o", "a.png", "--mosaic", "--field"], "cannot be used with");
 }
 
