@@ -13,4 +13,5 @@ pub mod mosaic;
 pub mod picture;
 pub mod pipeline;
 pub mod report;
+pub mod study;
 pub mod surface;

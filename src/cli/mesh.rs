@@ -234,7 +234,7 @@ pub fn degrees<const MOST: u32>(text: &str) -> Result<f64, String> {
     number(text, 1.0..=f64::from(MOST)).ok_or_else(|| format!("the angle is a number from 1 to {MOST}, in degrees"))
 }
 
-fn distance(text: &str) -> Result<f64, String> {
+pub fn distance(text: &str) -> Result<f64, String> {
     number(text, 1.0..=10.0).ok_or_else(|| "the distance is a number from 1 to 10, in tile sides".to_owned())
 }
 

@@ -12,6 +12,7 @@ mod mosaic;
 mod output;
 mod picture;
 mod rows;
+mod study;
 mod summary;
 
 use clap::{Parser, Subcommand};
@@ -37,6 +38,7 @@ enum Command {
     Field(Box<field::Arguments>),
     Mosaic(Box<mosaic::Arguments>),
     Picture(Box<picture::Arguments>),
+    Study(study::Arguments),
     Example(example::Arguments),
     Check(check::Arguments),
     /// Lists the GPU adapters of this machine, the best first
@@ -53,6 +55,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Field(arguments) => field::run(&arguments),
         Command::Mosaic(arguments) => mosaic::run(&arguments),
         Command::Picture(arguments) => picture::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
         Command::Example(arguments) => example::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Devices => devices::run(),

@@ -15,6 +15,7 @@ mod normals;
 mod raster;
 mod scene;
 mod svg;
+pub(crate) mod text;
 mod view;
 
 pub use colour::Colour;
