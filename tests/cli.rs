@@ -37,7 +37,7 @@ impl Desk {
         let mut program = Command::new(env!("CARGO_BIN_EXE_quadmosaic"));
         program.args(arguments);
         // What the machine has must not decide what is tested; drivers print messages of their own, too.
-        if matches!(arguments.first(), Some(&("mesh" | "field" | "mosaic"))) {
+        if matches!(arguments.first(), Some(&("mesh" | "field" | "mosaic" | "study"))) {
             program.args(["--backend", "cpu"]);
         }
         program.current_dir(self.folder.path());
@@ -648,4 +648,20 @@ fn the_tiles_of_a_mesh_are_its_vertices() {
     assert_eq!(coloured.face_count(), squares.face_count());
     assert!(desk.refusal(2, &["mosaic", "example:torus", "-o", "tiles.stl"]).contains(".obj or .ply"));
     assert!(desk.refusal(2, &["mosaic", "example:torus", "-o", "a.obj", "--grout", "1"]).contains("0 to 0.9"));
+}
+
+#[test]
+fn a_study_fills_its_folder_and_says_what_it_found() {
+    let desk = Desk::new();
+    let arguments = ["study", "example:torus:500", "example:torus:500", "-o", "new/study", "--points", "150"];
+    assert!(desk.refusal(1, &arguments).contains("given twice"));
+    let sweep = ["--angles", "20,30", "--distances", "1.6"];
+    let said = desk.said(&[&arguments[..2], &arguments[3..], &sweep].concat());
+    assert!(said.starts_with("example:torus:500, 150 points: Qr ") && said.contains("study.html"), "{said}");
+    let csv = text(&desk.bytes("new/study/study.csv"));
+    assert_eq!(csv.lines().count(), 3, "{csv}");
+    assert!(desk.path("new/study/torus_500-qr.png").is_file());
+    for (option, wrong) in [("--points", "6000,1"), ("--angles", "30,50"), ("--distances", "0.5"), ("--angles", "")] {
+        desk.refusal(2, &["study", "example:torus", "-o", "s", option, wrong]);
+    }
 }

@@ -62,8 +62,8 @@ Examples:
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Arguments { surfaces, output, points, angles, distances, machine, quiet } = arguments;
-    let subjects = subjects(surfaces)?;
     machine.start_threads()?;
+    let subjects = subjects(surfaces)?;
     fs::create_dir_all(output).with_context(|| format!("the folder {} cannot be made", output.display()))?;
     let device = machine.open()?;
     let backend = device.backend()?;

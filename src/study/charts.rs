@@ -7,6 +7,7 @@ use crate::mesh::connect::ConnectOptions;
 use crate::picture::Image;
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::Path;
 
 /// Pixels of a chart.
@@ -118,10 +119,14 @@ impl Chart {
         }
         let values = series.iter().flat_map(|series| &series.panels).flatten().map(|point| point.1);
         let (least, most) =
-            values.fold((measure.best, measure.best), |(least, most), value| (least.min(value), most.max(value)));
-        let room = 0.06 * (most - least).max(0.02);
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)));
+        // Where all is nearly the best, the chart is not to make much of little.
+        let (low, high) = if measure.best > 0.0 {
+            ((20.0 * least - 0.2).floor().clamp(0.0, 18.0) / 20.0, measure.best)
+        } else {
+            (0.0, (1.1 * most).ceil().max(1.0))
+        };
         let title = format!("{}: {}", subject.name, measure.name);
-        let (low, high) = if measure.best > 0.0 { (least - room, measure.best) } else { (0.0, most + room) };
         Self { title, series, low, high }
     }
 
@@ -151,8 +156,11 @@ impl Chart {
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
         let places = || self.series.iter().flat_map(|series| &series.panels[panel]).map(|point| point.0);
         let (left, right) = (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
-        let (left, right) = if left < right { (left, right) } else { (left.min(0.0), left.max(1.0)) };
-        let room = 0.03 * (right - left);
+        // There is nothing to draw, and plotters would divide a range without end for ever.
+        if !(left.is_finite() && right.is_finite()) {
+            return Ok(());
+        }
+        let room = 0.03 * (right - left).max(1.0);
         let mut chart = ChartBuilder::on(area)
             .margin(LETTERS / 2)
             .x_label_area_size(3 * LETTERS)
@@ -204,8 +212,8 @@ impl Chart {
                     area.draw(&line(16 * dash, 16 * dash + 9))?;
                 }
             }
-            let style = ("sans-serif", LETTERS - 2).into_text_style(area);
-            area.draw_text(&series.name, &style, (x + 75, y - LETTERS / 2))?;
+            let style = ("sans-serif", LETTERS - 2).into_text_style(area).pos(Pos::new(HPos::Left, VPos::Center));
+            area.draw_text(&series.name, &style, (x + 75, y))?;
         }
         Ok(())
     }
