@@ -124,7 +124,7 @@ pub enum PipelineError {
     Fineness(String),
 }
 
-/// Everything that the method made on the way; coordinates are unit-sized but for `before` and `mesh`.
+/// Everything that the method made on the way; coordinates are unit-sized but for those of meshes.
 pub struct Outcome {
     /// The surface.
     pub surface: Surface,
@@ -146,6 +146,20 @@ pub struct Outcome {
     pub cleaned: Option<CleanCounts>,
     /// How long each stage took.
     pub times: Vec<(Stage, Duration)>,
+}
+
+/// What connecting tiles gives: a part of [`Outcome`].
+pub struct Meshed {
+    /// The mesh before clean-up, in model units.
+    pub before: Mesh,
+    /// The mesh, in model units.
+    pub mesh: Mesh,
+    /// Whether sheets of the surface meet at each of its vertices.
+    pub branches: Vec<bool>,
+    /// Holes of the connected mosaic, before they were filled.
+    pub holes: usize,
+    /// What the clean-up did.
+    pub cleaned: Option<CleanCounts>,
 }
 
 /// Fewest and most vertices that can be asked for.
@@ -174,10 +188,30 @@ pub fn run(
 
     clock.begin(Stage::Connect);
     let triangulation = triangulate(&surface, &field, &mosaic);
-    let edges = connect(&triangulation, &options.connect);
+    let Meshed { before, mesh, branches, holes, cleaned } =
+        meshed(&surface, &mosaic, &triangulation, options, &mut clock);
+
+    let times = clock.finish();
+    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned, times })
+}
+
+/// Connects tiles that are triangulated already: as [`run`] does, but for what comes before.
+pub fn connected(surface: &Surface, mosaic: &Mosaic, triangulation: &Triangulation, options: &Options) -> Meshed {
+    let mut clock = Clock { progress: &|_, _| (), times: Vec::new(), started: Instant::now() };
+    meshed(surface, mosaic, triangulation, options, &mut clock)
+}
+
+fn meshed(
+    surface: &Surface,
+    mosaic: &Mosaic,
+    triangulation: &Triangulation,
+    options: &Options,
+    clock: &mut Clock,
+) -> Meshed {
+    let edges = connect(triangulation, &options.connect);
 
     clock.begin(Stage::Fill);
-    let (filled, holes) = fill(&triangulation, &edges, options.holes);
+    let (filled, holes) = fill(triangulation, &edges, options.holes);
 
     clock.begin(Stage::Clean);
     let anchors = triangulation.anchors();
@@ -192,14 +226,12 @@ pub fn run(
     clock.begin(Stage::Smooth);
     let kept = counts.as_ref().map(|counts| counts.kept.as_slice());
     let below = triangulation.free_triangles(kept);
-    let smoothed = smooth(&surface, &cleaned, &below, options.smoothing);
+    let smoothed = smooth(surface, &cleaned, &below, options.smoothing);
     let before = join(&filled, &triangulation.joints(None)).mesh;
-    let named = with_regions(&smoothed, &surface, &mosaic, &triangulation, kept);
+    let named = with_regions(&smoothed, surface, mosaic, triangulation, kept);
     let Joined { mesh, branches } = join(&named, &triangulation.joints(kept));
-
-    let times = clock.finish();
     let [before, mesh] = [before, mesh].map(|mesh| mesh.placed(surface.frame()));
-    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned: counts, times })
+    Meshed { before, mesh, branches, holes, cleaned: counts }
 }
 
 /// The surface, with the features that tiles so fine can show, and how many vertices are wanted.
@@ -227,7 +259,11 @@ pub fn field(surface: &Surface, count: usize, options: &Options, backend: &dyn B
     Field::new(surface, &FieldOptions { align, ..options.field.clone() }, backend)
 }
 
-fn lay(
+/// A mosaic of nearly `count` tiles; `progress` is told how far it is, from 0 to 1.
+///
+/// # Errors
+/// Where the backend fails.
+pub fn lay(
     surface: &Surface,
     field: &Field,
     backend: &dyn Backend,

@@ -3,7 +3,8 @@
 use super::backend::Machine;
 use super::fineness::Wanted;
 use super::input::Source;
-use super::output::{expect_writable, obj_path, print, write_json};
+use super::output::{expect_writable, obj_path, picture_path, print, write_json};
+use super::picture;
 use super::rows::{Rows, warn_of};
 use super::summary;
 use anyhow::Context;
@@ -13,6 +14,7 @@ use quadmosaic::export::write_obj;
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::fill;
 use quadmosaic::mosaic;
+use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
 use quadmosaic::surface::{Repairs, shown};
@@ -73,6 +75,9 @@ pub struct Arguments {
     #[command(flatten)]
     machine: Machine,
 
+    /// Draw the mesh, as `quadmosaic picture` does
+    #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
+    picture: Option<PathBuf>,
     /// Write what is printed, and more, as JSON
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
@@ -133,6 +138,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         &[("read", reading), ("device", opening + compiling)],
         &[("measure", measuring), ("write", writing)],
     );
+    if let Some(path) = &arguments.picture {
+        write_picture(path, &mesh_scene(&outcome.mesh, Paint::Sides), &View::default(), picture::SIZE)?;
+    }
     if let Some(path) = &arguments.report {
         write_json(path, &report)?;
     }
@@ -187,7 +195,7 @@ impl Arguments {
     /// Before long work: that what it makes can be kept.
     fn expect_writable(&self) -> anyhow::Result<()> {
         let mut taken: Vec<&Path> = self.source.path().into_iter().collect();
-        for path in [&self.output].into_iter().chain(&self.report) {
+        for path in [&self.output].into_iter().chain(&self.picture).chain(&self.report) {
             expect_writable(path, &taken)?;
             taken.push(path);
         }
@@ -262,7 +270,7 @@ pub fn degrees<const MOST: u32>(text: &str) -> Result<f64, String> {
     number(text, 1.0..=f64::from(MOST)).ok_or_else(|| format!("the angle is a number from 1 to {MOST}, in degrees"))
 }
 
-fn distance(text: &str) -> Result<f64, String> {
+pub fn distance(text: &str) -> Result<f64, String> {
     number(text, 1.0..=10.0).ok_or_else(|| "the distance is a number from 1 to 10, in tile sides".to_owned())
 }
 

@@ -21,6 +21,7 @@
 pub mod census;
 pub mod chart;
 pub mod fit;
+pub mod fitting;
 pub mod grid;
 pub mod lattice;
 pub mod phases;
@@ -28,6 +29,7 @@ pub mod refine;
 pub mod relax;
 pub mod seat;
 pub mod sow;
+pub mod squares;
 
 pub use relax::Relaxation;
 pub use seat::{Rulers, Seat, Site};
