@@ -20,6 +20,7 @@
 
 pub mod census;
 pub mod grid;
+pub mod neighbours;
 pub mod refine;
 pub mod relax;
 pub mod seat;
