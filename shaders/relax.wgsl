@@ -1,5 +1,5 @@
 // One step of relaxation: tiles push and pull each other into rows and walk on the surface.
-// The twin of src/mosaic/relax.rs, src/surface/walk.rs and `axis_at` in src/field/mod.rs: the same operations in the
+// The twin of src/mosaic/relax.rs, src/surface/walk.rs, `Sizes::at` and `axis_at` in src/field/mod.rs: the same operations in the
 // same order, so that both give the same bits where the device rounds as IEEE 754 does.
 
 // A triangle of the surface. `beyond`: the opposite half-edge of each half-edge; NONE where it may not be crossed.
@@ -12,11 +12,14 @@ struct Triangle {
 @group(0) @binding(1) var<storage, read> tiles: array<Tile>;
 // As shaders/neighbours.wgsl makes them.
 @group(0) @binding(2) var<storage, read> lists: array<u32>;
+// The vertices of the surface, each with the relative size of tiles there.
 @group(0) @binding(3) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> triangles: array<Triangle>;
 // The crosses at the corners of each triangle, against its first edge.
 @group(0) @binding(5) var<storage, read> crosses: array<array<vec2<f32>, 3>>;
 @group(0) @binding(6) var<storage, read_write> moved: array<Tile>;
+// The scale of the tiles' sizes.
+@group(0) @binding(7) var<uniform> scale: f32;
 
 // The same numbers stand in src/mosaic/relax.rs and src/surface/walk.rs.
 const LEAST_COSINE: f32 = 0.2;
@@ -63,15 +66,32 @@ fn corner(triangle: u32, k: u32) -> vec3<f32> {
     return points[triangles[triangle].corners[k]].xyz;
 }
 
-fn axis_at(triangle: u32, position: vec3<f32>) -> vec3<f32> {
+// How far a point of a triangle is towards its second and third corner, in shares of the way from the first.
+fn shares(triangle: u32, position: vec3<f32>) -> vec2<f32> {
     let a = corner(triangle, 0u);
     let b = corner(triangle, 1u);
     let c = corner(triangle, 2u);
     let double_area = cross3(b - a, c - a);
     let normal = unit(double_area);
     let total = dot3(double_area, normal);
-    let wb = clamp(-dot3(cross3(c - a, position - a), normal) / total, 0.0, 1.0);
-    let wc = clamp(dot3(cross3(b - a, position - a), normal) / total, 0.0, 1.0);
+    return vec2<f32>(
+        clamp(-dot3(cross3(c - a, position - a), normal) / total, 0.0, 1.0),
+        clamp(dot3(cross3(b - a, position - a), normal) / total, 0.0, 1.0),
+    );
+}
+
+fn size_at(triangle: u32, share: vec2<f32>) -> f32 {
+    let corners = triangles[triangle].corners;
+    let a = points[corners[0]].w;
+    return a + (points[corners[1]].w - a) * share.x + (points[corners[2]].w - a) * share.y;
+}
+
+fn axis_at(triangle: u32, share: vec2<f32>) -> vec3<f32> {
+    let a = corner(triangle, 0u);
+    let b = corner(triangle, 1u);
+    let normal = unit(cross3(b - a, corner(triangle, 2u) - a));
+    let wb = share.x;
+    let wc = share.y;
     let wa = max(1.0 - wb - wc, 0.0);
     let z = crosses[triangle];
     let root = fourth_root(vec2<f32>(
@@ -256,6 +276,8 @@ fn relax(
     result.position = foot.position;
     result.triangle = foot.triangle;
     result.normal = unit(cross3(corner(foot.triangle, 1u) - a, corner(foot.triangle, 2u) - a));
-    result.axis = axis_at(foot.triangle, foot.position);
+    let share = shares(foot.triangle, foot.position);
+    result.h = scale * size_at(foot.triangle, share);
+    result.axis = axis_at(foot.triangle, share);
     moved[id] = result;
 }

@@ -12,4 +12,5 @@ pub mod mesh;
 pub mod mosaic;
 pub mod pipeline;
 pub mod report;
+pub mod sizes;
 pub mod surface;

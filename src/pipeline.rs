@@ -16,6 +16,7 @@ use crate::mesh::smooth::smooth;
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Mesh, Triangulation};
 use crate::mosaic::{self, Effort, Layer, Mosaic};
+use crate::sizes::{SizeOptions, Sizes, SizesError};
 use crate::surface::{FeatureOptions, NamedEdge, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -25,8 +26,10 @@ use thiserror::Error;
 pub enum Fineness {
     /// This many vertices.
     Points(usize),
-    /// As many as tiles of this side, in model units, cover the surface.
+    /// As many as equal tiles of this side, in model units, cover the surface.
     Size(f64),
+    /// As many as tiles of the sizes that samples give, in model units, cover the surface.
+    Sampled,
 }
 
 /// What the method can be told.
@@ -40,6 +43,8 @@ pub struct Options {
     pub edges: Vec<NamedEdge>,
     /// What draws the field beside features.
     pub field: FieldOptions,
+    /// Where tiles are to be smaller or larger than elsewhere.
+    pub sizes: SizeOptions,
     /// When two tiles are connected.
     pub connect: ConnectOptions,
     /// What to do with holes.
@@ -58,6 +63,7 @@ impl Options {
             features: FeatureOptions::default(),
             edges: Vec::new(),
             field: FieldOptions::default(),
+            sizes: SizeOptions::default(),
             connect: ConnectOptions::default(),
             holes: Holes::default(),
             cleanup: Some(CleanOptions::default()),
@@ -110,6 +116,9 @@ pub enum PipelineError {
     /// The backend failed.
     #[error(transparent)]
     Compute(#[from] ComputeError),
+    /// The asked sizes make no sense.
+    #[error(transparent)]
+    Sizes(#[from] SizesError),
     /// The asked fineness makes no sense.
     #[error("{0}")]
     Fineness(String),
@@ -139,6 +148,9 @@ pub struct Outcome {
     pub times: Vec<(Stage, Duration)>,
 }
 
+/// Sizes are seen at vertices, and where these show small ones the surface gets more vertices: so often at most.
+const ROUNDS_OF_SIZES: usize = 4;
+
 /// Fewest and most vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 
@@ -155,10 +167,10 @@ pub fn run(
     let mut clock = Clock { progress, times: Vec::new(), started: Instant::now() };
 
     clock.begin(Stage::Surface);
-    let (surface, count) = prepare(soup, options)?;
+    let (surface, sizes, count) = prepare(soup, options)?;
 
     clock.begin(Stage::Field);
-    let field = field(&surface, count, options, backend)?;
+    let field = field(&surface, count, options, backend)?.with_sizes(sizes);
 
     clock.begin(Stage::Mosaic);
     let mosaic = lay(&surface, &field, backend, count, &|share| progress(Stage::Mosaic, share))?;
@@ -193,19 +205,29 @@ pub fn run(
     Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned: counts, times })
 }
 
-/// The surface, with the features that tiles so fine can show, and how many vertices are wanted.
+/// The surface, with the features that tiles so fine can show, how large they are to be, and how many vertices are wanted.
 ///
 /// # Errors
-/// Where the surface cannot be meshed or the fineness makes no sense.
-pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, usize), PipelineError> {
+/// Where the surface cannot be meshed or the fineness or the sizes make no sense.
+pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize), PipelineError> {
     let features = &options.features;
     let surface = Surface::new(soup, features)?.with_edges(soup, &options.edges, features)?;
-    let count = count(&surface, options.fineness)?;
+    let count = count(&surface, options)?;
     let side = mosaic::side_for_count(&surface, count);
-    let surface = surface.fitted(features, side);
-    let longest = mosaic::longest_edge(&surface, count);
-    let surface = surface.divided(longest, features);
-    Ok((surface, count))
+    let mut surface = surface.fitted(features, side);
+    let mut wanted = options.sizes.on(&surface, f64::from(side));
+    let mut sizes = wanted.sizes(&surface, count)?;
+    for _ in 0..ROUNDS_OF_SIZES {
+        let longest = mosaic::longest_edges(&surface, &sizes, count);
+        let middles;
+        (surface, middles) = surface.divided(longest, features);
+        if middles.is_empty() || sizes.is_equal() {
+            break;
+        }
+        wanted = wanted.divided(&surface, &middles);
+        sizes = wanted.sizes(&surface, count)?;
+    }
+    Ok((surface, sizes, count))
 }
 
 /// The field that `count` tiles would be laid along: curvature is seen at their scale.
@@ -230,8 +252,8 @@ fn lay(
 }
 
 /// How many vertices that makes.
-fn count(surface: &Surface, fineness: Fineness) -> Result<usize, PipelineError> {
-    match fineness {
+fn count(surface: &Surface, options: &Options) -> Result<usize, PipelineError> {
+    match options.fineness {
         Fineness::Points(count) if POINTS.contains(&count) => Ok(count),
         Fineness::Points(count) => Err(PipelineError::Fineness(format!(
             "a mesh of {count} points cannot be made; ask for {} to {}",
@@ -247,6 +269,19 @@ fn count(surface: &Surface, fineness: Fineness) -> Result<usize, PipelineError> 
             let least = diagonal * f64::from(mosaic::side_for_count(surface, *POINTS.end()));
             Err(PipelineError::Fineness(format!(
                 "tiles of side {size} cannot cover this surface; ask for {least:.3e} to {diagonal:.3e}, its diagonal"
+            )))
+        }
+        Fineness::Sampled if options.sizes.samples.is_empty() => {
+            Err(PipelineError::Fineness("no sizes are given; give some, or ask for a number of points".to_owned()))
+        }
+        Fineness::Sampled => {
+            let count = options.sizes.count(surface)?;
+            if count <= *POINTS.end() as f64 {
+                return Ok((count.round() as usize).max(*POINTS.start()));
+            }
+            Err(PipelineError::Fineness(format!(
+                "the surface takes {count:.3e} tiles of the given sizes; ask for larger ones, in model units, so that {}                  are enough",
+                POINTS.end()
             )))
         }
     }

@@ -73,6 +73,8 @@ pub enum Asked {
     Points(usize),
     /// Tiles of this side, in model units.
     Size(f64),
+    /// Tiles of the sizes that samples give.
+    Sampled,
 }
 
 /// Where the heavy stages ran.
@@ -138,6 +140,7 @@ impl Report {
             asked: match options.fineness {
                 Fineness::Points(count) => Asked::Points(count),
                 Fineness::Size(size) => Asked::Size(size),
+                Fineness::Sampled => Asked::Sampled,
             },
             backend: Device::new(backend),
             field: FieldFigures::new(surface, &outcome.field),

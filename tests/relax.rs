@@ -7,6 +7,7 @@ use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::gpu::{Gpu, GpuBackend};
 use quadmosaic::mosaic::relax::REACH;
 use quadmosaic::mosaic::{Relaxation, Rulers, Tile, neighbours, seat, side_for_count, sow};
+use quadmosaic::sizes::Sizes;
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Surface};
 
@@ -25,7 +26,9 @@ fn tiles(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
 }
 
 fn both(gpu: &Gpu, surface: &Surface, field: &Field, tiles: &[Tile], steps: u32) -> [Vec<Tile>; 2] {
-    let relaxation = Relaxation::new(steps, tiles.iter().map(|tile| tile.h).fold(0.0, f32::max));
+    // Sides on features and lists are long enough for the largest tile, whatever made the tiles so large.
+    let scale = tiles.iter().map(|tile| tile.h).fold(0.0, f32::max) / field.sizes().largest();
+    let relaxation = Relaxation::new(steps, scale, field.sizes());
     let backend = GpuBackend::new(gpu).unwrap();
     let cpu = Cpu.ground(surface, field).unwrap().relax(tiles, &relaxation).unwrap();
     let gpu = backend.ground(surface, field).unwrap().relax(tiles, &relaxation).unwrap();
@@ -109,7 +112,7 @@ fn lists_hold_what_a_search_of_all_pairs_finds() {
         let (surface, field) = example(name);
         let h = side_for_count(&surface, 800);
         let tiles = tiles(&surface, &field, h);
-        let cell = Relaxation::new(1, h).cell;
+        let cell = Relaxation::new(1, h, &Sizes::equal()).cell;
         let lists = neighbours::lists(&tiles, cell);
         let wrong = |lists: &[[u32; neighbours::SLOTS]]| {
             let is_wrong = |&id: &usize| {
@@ -134,7 +137,7 @@ fn tiles_in_a_crowd_are_the_same() {
     let h = side_for_count(&surface, 2000);
     // Four times as many as there is room for.
     let crowd: Vec<Tile> = sow::sow(&surface, &field, 0.5 * h).iter().map(|&tile| Tile { h, ..tile }).collect();
-    let lists = neighbours::lists(&crowd, Relaxation::new(1, h).cell);
+    let lists = neighbours::lists(&crowd, Relaxation::new(1, h, &Sizes::equal()).cell);
     let full = lists.iter().filter(|list| ids(*list).len() == neighbours::SLOTS).count();
     assert!(full > crowd.len() / 2, "{full} of {} lists are full", crowd.len());
     let [cpu, other] = both(gpu, &surface, &field, &crowd, 1);
@@ -144,6 +147,36 @@ fn tiles_in_a_crowd_are_the_same() {
     let [_, mut other] = both(gpu, &surface, &field, &turned, 1);
     other.reverse();
     assert!(difference(gpu, &cpu, &other).is_some());
+}
+
+#[test]
+fn tiles_of_different_sizes_are_the_same() {
+    let Some(gpu) = common::gpu() else { return };
+    for name in ["sphere", "block", "m6"] {
+        let (surface, field) = example(name);
+        // From 1 to 2 along x.
+        let size = |v: u32| 1.5 + surface.point(v)[0] as f32;
+        let sizes = Sizes::from_vertices(&surface, (0..surface.vertex_count() as u32).map(size).collect()).unwrap();
+        let scale = sizes.side_for_count(&surface, 1500);
+        let field = field.with_sizes(sizes);
+        let tiles = tiles(&surface, &field, scale);
+        let relaxation = Relaxation::new(neighbours::STEPS, scale, field.sizes());
+        let backend = GpuBackend::new(gpu).unwrap();
+        let on_cpu = |relaxation| Cpu.ground(&surface, &field).unwrap().relax(&tiles, relaxation).unwrap();
+        let one = Relaxation { steps: 1, ..relaxation };
+        // On hardware differences grow from step to step.
+        let relaxation = if gpu.adapter().hardware { one } else { relaxation };
+        let other = backend.ground(&surface, &field).unwrap().relax(&tiles, &relaxation).unwrap();
+        assert_eq!(difference(gpu, &on_cpu(&relaxation), &other), None, "{name}");
+        for tile in &other {
+            let wanted = scale * (1.5 + tile.position[0]);
+            // Sizes are linear, but for the roundings of a dozen operations on numbers about 1.
+            assert!((tile.h / wanted - 1.0).abs() < 1e-5, "{name}: {} for {wanted}", tile.h);
+        }
+        // At another scale tiles are others.
+        let larger = Relaxation { scale: 1.001 * scale, ..one };
+        assert!(on_cpu(&larger).iter().zip(&on_cpu(&one)).any(|(a, b)| a.quarters == 0 && a.h != b.h), "{name}");
+    }
 }
 
 #[test]

@@ -61,12 +61,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         features: rows.features(),
         edges: rows.edges()?,
         field: rows.field()?,
+        sizes: wanted.sizes()?,
         ..Options::new(wanted.fineness())
     };
     machine.start_threads()?;
     let name = source.to_string();
     let soup = source.read()?;
-    let (surface, count) = prepare(&soup, &options).context(name.clone())?;
+    let (surface, _, count) = prepare(&soup, &options).context(name.clone())?;
     let device: Device = machine.open()?;
     let backend = device.backend()?;
     let field = pipeline::field(&surface, count, &options, &*backend)?;

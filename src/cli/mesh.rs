@@ -180,6 +180,7 @@ impl Arguments {
             features: self.rows.features(),
             edges: self.rows.edges()?,
             field: self.rows.field()?,
+            sizes: self.wanted.sizes()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {
                 Holes::Patterns => fill::Holes::Patterns,

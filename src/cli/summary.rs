@@ -11,6 +11,7 @@ pub fn of_run(report: &Report) -> String {
     let asked = match report.asked {
         Asked::Points(count) => format!("{count} asked for"),
         Asked::Size(size) => format!("tiles of side {size} asked for"),
+        Asked::Sampled => "tiles of the given sizes asked for".to_owned(),
     };
     let holes = format!("{} in the connected mosaic, {} left", mosaic.holes, mesh.polygons);
     let times: Vec<_> = report.times.iter().map(|time| format!("{} {:.0}", time.stage, time.milliseconds)).collect();

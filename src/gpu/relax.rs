@@ -38,7 +38,7 @@ impl RelaxKernels {
         let source = include_str!("../../shaders/neighbours.wgsl");
         let neighbours = Program::new(gpu, "neighbours", source, &[Uniform, Read, Read, Read, Write])?;
         let source = include_str!("../../shaders/relax.wgsl");
-        let program = Program::new(gpu, "relax", source, &[Uniform, Read, Read, Read, Read, Read, Write])?;
+        let program = Program::new(gpu, "relax", source, &[Uniform, Read, Read, Read, Read, Read, Write, Uniform])?;
         let (list, relax) = (neighbours.kernel(gpu, "list")?, program.kernel(gpu, "relax")?);
         Ok(Self { neighbours, list, program, relax })
     }
@@ -62,7 +62,8 @@ impl<'a> GpuGround<'a> {
         surface: &Surface,
         field: &Field,
     ) -> Result<Self, GpuError> {
-        let points: Vec<[f32; 4]> = surface.points.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect();
+        let size = |v: u32| field.sizes().at_vertex(v);
+        let points: Vec<[f32; 4]> = surface.points.iter().zip(0..).map(|(p, v)| [p.x, p.y, p.z, size(v)]).collect();
         let beyond = |h: u32| if surface.features().is_feature(h) { NONE } else { surface.twins[h as usize] };
         let triangles: Vec<Triangle> = (0u32..)
             .zip(&surface.triangles)
@@ -84,6 +85,7 @@ impl<'a> GpuGround<'a> {
         let mut now = self.gpu.upload("the tiles", tiles)?;
         let mut then = self.gpu.upload("the tiles", tiles)?;
         let lists = self.gpu.zeros::<[u32; SLOTS]>("the neighbour lists", tiles.len())?;
+        let scale = self.gpu.uniform("the scale of the tiles' sizes", relaxation.scale)?;
         let mut recording = self.gpu.record();
         for step in 0..relaxation.steps {
             if step.is_multiple_of(neighbours::STEPS) {
@@ -91,11 +93,9 @@ impl<'a> GpuGround<'a> {
                 let inputs: [&dyn Bindable; 5] = [&grid.settings, &now, &grid.starts, &grid.ids, &lists];
                 recording.dispatch(&self.kernels.list, &self.kernels.neighbours.bind(self.gpu, &inputs)?, tiles.len());
             }
-            let bindings = self
-                .kernels
-                .program
-                .bind(self.gpu, &[&grid.settings, &now, &lists, &self.points, &self.triangles, &self.crosses, &then])?;
-            recording.dispatch(&self.kernels.relax, &bindings, tiles.len());
+            let Self { points, triangles, crosses, .. } = self;
+            let buffers: [&dyn Bindable; 8] = [&grid.settings, &now, &lists, points, triangles, crosses, &then, &scale];
+            recording.dispatch(&self.kernels.relax, &self.kernels.program.bind(self.gpu, &buffers)?, tiles.len());
             std::mem::swap(&mut now, &mut then);
         }
         recording.submit()?;

@@ -19,7 +19,13 @@ const OTHER_SIDE: f32 = -0.5;
 /// Removes tiles where they crowd and adds tiles where there is room, in the order of ids.
 pub fn take(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Mosaic {
     let tiles = thin(mosaic);
-    let mut result = Mosaic { sites: mosaic.sites.clone(), tiles, sides: mosaic.sides, rulers: mosaic.rulers.clone() };
+    let mut result = Mosaic {
+        sites: mosaic.sites.clone(),
+        tiles,
+        sides: mosaic.sides,
+        scale: mosaic.scale,
+        rulers: mosaic.rulers.clone(),
+    };
     let more = room(surface, field, &result);
     result.tiles.extend(more);
     result
@@ -72,7 +78,7 @@ fn room(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Vec<Tile> {
         .flat_map_iter(|tile| empty_directions(tile, tiles, &grid).map(move |turn| (tile, turn)))
         .map(|(tile, turn)| {
             let foot = walk(surface, barrier, tile.triangle, tile.at(), tile.direction(turn) * tile.h, WALK_EDGES);
-            Tile::free(surface, field, foot.triangle, foot.position, tile.h)
+            Tile::free(surface, field, foot.triangle, foot.position, mosaic.scale)
         })
         .filter(|place| {
             let mut empty = true;

@@ -14,6 +14,7 @@ use super::Tile;
 use super::neighbours::{self, SKIN};
 use crate::field::{Field, axis_at};
 use crate::geometry::{cross, dot, unit};
+use crate::sizes::Sizes;
 use crate::surface::{NONE, Surface, WALK_EDGES, walk};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -38,12 +39,14 @@ pub struct Relaxation {
     pub steps: u32,
     /// The side of the grid's cells, in unit-sized coordinates: more than the reach of the largest tile.
     pub cell: f32,
+    /// The scale of the tiles' sizes: their side where the relative size is 1.
+    pub scale: f32,
 }
 
 impl Relaxation {
-    /// Steps for tiles of side at most `h`.
-    pub fn new(steps: u32, h: f32) -> Self {
-        Self { steps, cell: cell(h) }
+    /// Steps for tiles of these sizes at this scale.
+    pub fn new(steps: u32, scale: f32, sizes: &Sizes) -> Self {
+        Self { steps, cell: cell(scale * sizes.largest()), scale }
     }
 }
 
@@ -61,13 +64,13 @@ pub fn relax(surface: &Surface, field: &Field, tiles: &[Tile], relaxation: &Rela
         if step.is_multiple_of(neighbours::STEPS) {
             lists = neighbours::lists(&tiles, relaxation.cell);
         }
-        let moved = |id: usize| moved(surface, field, &tiles, &lists[id], id as u32);
+        let moved = |id: usize| moved(surface, field, &tiles, &lists[id], id as u32, relaxation.scale);
         tiles = (0..tiles.len()).into_par_iter().with_min_len(256).map(moved).collect();
     }
     tiles
 }
 
-fn moved(surface: &Surface, field: &Field, tiles: &[Tile], list: &[u32], id: u32) -> Tile {
+fn moved(surface: &Surface, field: &Field, tiles: &[Tile], list: &[u32], id: u32, scale: f32) -> Tile {
     let tile = tiles[id as usize];
     if tile.quarters > 0 {
         return tile;
@@ -89,6 +92,7 @@ fn moved(surface: &Surface, field: &Field, tiles: &[Tile], list: &[u32], id: u32
     let corners = surface.corners(foot.triangle as usize);
     Tile {
         position: foot.position.into(),
+        h: scale * field.sizes().at(surface, foot.triangle, foot.position),
         normal: unit(cross(corners[1] - corners[0], corners[2] - corners[0])).into(),
         triangle: foot.triangle,
         axis: axis_at(corners, field.in_triangles()[foot.triangle as usize], foot.position).into(),
