@@ -22,6 +22,7 @@ pub use wanted::SizeOptions;
 
 use crate::surface::{NONE, Surface, shares};
 use glam::Vec3;
+use growth::Growth;
 use std::iter::zip;
 use thiserror::Error;
 
@@ -98,7 +99,7 @@ impl Sizes {
             return self.clone();
         }
         let mut sides: Vec<f64> = self.relative.iter().map(|&size| side * f64::from(size)).collect();
-        growth::limit(surface, &mut sides, growth - 1.0);
+        Growth::new(surface).limit(&mut sides, growth - 1.0);
         Self { relative: sides.iter().map(|h| (h / side) as f32).collect() }
     }
 

@@ -1,6 +1,7 @@
 //! From what is asked for, points with sizes or a bound on how far the surface turns, to the sizes of a surface.
 
-use super::{SizeSample, Sizes, SizesError, growth};
+use super::growth::Growth;
+use super::{SizeSample, Sizes, SizesError};
 use crate::surface::Surface;
 use crate::surface::curvature::{curvatures_above, radius_of_tile};
 use rayon::prelude::*;
@@ -107,20 +108,21 @@ impl Wanted<'_> {
         if self.options.are_equal() {
             return Ok(Sizes::equal());
         }
+        let growth = Growth::new(surface);
         let mut scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
         for _ in 0..ROUNDS {
-            let sizes = relative(surface, &self.sides(surface, scale), scale)?;
+            let sizes = relative(surface, &self.sides(&growth, scale), scale)?;
             let found = sizes.count_for_side(surface, scale) / count as f64;
             if found.ln().abs() < MISS {
                 return Ok(sizes);
             }
             scale *= found.sqrt();
         }
-        relative(surface, &self.sides(surface, scale), scale)
+        relative(surface, &self.sides(&growth, scale), scale)
     }
 
     fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
-        Ok(relative(surface, &self.sides(surface, 1.0), 1.0)?.count_for_side(surface, 1.0))
+        Ok(relative(surface, &self.sides(&Growth::new(surface), 1.0), 1.0)?.count_for_side(surface, 1.0))
     }
 
     /// The same where vertices were added to the surface, each in the middle between two.
@@ -136,14 +138,14 @@ impl Wanted<'_> {
     }
 
     /// The sides at this scale: no larger than curvature allows, nor than growth.
-    fn sides(&self, surface: &Surface, scale: f64) -> Vec<f64> {
+    fn sides(&self, growth: &Growth, scale: f64) -> Vec<f64> {
         let mut sides: Vec<f64> = self.samples.iter().map(|side| scale * side).collect();
         if let (Some(degrees), Some(bends)) = (self.options.curvature, &self.bends) {
             for (side, bend) in sides.iter_mut().zip(bends) {
                 *side = side.min((degrees.to_radians() / bend).max(LEAST * *side));
             }
         }
-        growth::limit(surface, &mut sides, self.options.growth - 1.0);
+        growth.limit(&mut sides, self.options.growth - 1.0);
         sides
     }
 }
