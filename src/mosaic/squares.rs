@@ -94,7 +94,7 @@ mod tests {
             let middle = surface.corners(triangle).iter().sum::<Vec3>() / 3.0;
             Tile::free(&surface, &field, triangle as u32, middle, h)
         });
-        let mosaic = Mosaic::new(&surface, &field, h, free.collect::<Vec<_>>());
+        let mosaic = Mosaic::new(&surface, &field, h, crate::mosaic::Rulers::default(), free.collect::<Vec<_>>());
         (surface, mosaic, h)
     }
 

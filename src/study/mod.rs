@@ -209,8 +209,8 @@ impl Work<'_> {
         let failed = |source: PipelineError| StudyError::Pipeline { surface: name.clone(), points, source };
         let compute = |source: ComputeError| failed(source.into());
         let started = Instant::now();
-        let (surface, count) = prepare(&subject.soup, &usual).map_err(failed)?;
-        let field = pipeline::field(&surface, count, &usual, self.backend).map_err(compute)?;
+        let (surface, sizes, count) = prepare(&subject.soup, &usual).map_err(failed)?;
+        let field = pipeline::field(&surface, sizes, count, &usual, self.backend).map_err(failed)?;
         let mosaic = pipeline::lay(&surface, &field, self.backend, count, &usual, &|_| ()).map_err(compute)?;
         let triangulation = triangulate(&surface, &field, &mosaic);
         let laid = started.elapsed();
