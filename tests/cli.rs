@@ -154,11 +154,16 @@ fn options_reach_the_mesher() {
         ("max-distance", mesh(&["--max-distance", "1.1"])),
         ("max-angle", mesh(&["--max-angle", "10"])),
         ("holes", mesh(&["--holes", "leave", "--max-angle", "10"])),
-        ("no-cleanup", mesh(&["--no-cleanup"])),
         ("smoothing", mesh(&["--smoothing", "0"])),
     ] {
         assert_ne!(changed, plain, "{name} changes nothing");
     }
+    // On the plate there is nothing to clean.
+    let wing = |more: &[&str]| {
+        desk.said(&[&["mesh", "example:m6:2000", "--points", "400", "-o", "out.obj"], more].concat());
+        desk.bytes("out.obj")
+    };
+    assert_ne!(wing(&["--no-cleanup"]), wing(&[]), "no-cleanup changes nothing");
     let report = |crease: &str| {
         desk.said(&["mesh", "example:block:2000", "--crease", crease, "-o", "out.obj", "--report", "out.json"]);
         serde_json::from_slice::<Value>(&desk.bytes("out.json")).expect("it is JSON")
