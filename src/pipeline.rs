@@ -15,7 +15,7 @@ use crate::mesh::regions::with_regions;
 use crate::mesh::smooth::smooth;
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Mesh, Triangulation};
-use crate::mosaic::{self, Effort, Layer, Mosaic};
+use crate::mosaic::{self, Effort, Layer, Mosaic, Rows};
 use crate::surface::{FeatureOptions, NamedEdge, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -40,6 +40,12 @@ pub struct Options {
     pub edges: Vec<NamedEdge>,
     /// What draws the field beside features.
     pub field: FieldOptions,
+    /// Whether rows of tiles may end.
+    pub rows: Rows,
+    /// How far sides follow the field so that rows need not end, from 0 (not at all) to 1. Default 0.
+    pub fit: f64,
+    /// The largest side over the mean one, and the mean over the smallest, that fitting may ask for. Default 2.5.
+    pub fit_range: f64,
     /// When two tiles are connected.
     pub connect: ConnectOptions,
     /// What to do with holes.
@@ -58,6 +64,9 @@ impl Options {
             features: FeatureOptions::default(),
             edges: Vec::new(),
             field: FieldOptions::default(),
+            rows: Rows::default(),
+            fit: 0.0,
+            fit_range: 2.5,
             connect: ConnectOptions::default(),
             holes: Holes::default(),
             cleanup: Some(CleanOptions::default()),
@@ -175,7 +184,7 @@ pub fn run(
     let field = field(&surface, count, options, backend)?;
 
     clock.begin(Stage::Mosaic);
-    let mosaic = lay(&surface, &field, backend, count, &|share| progress(Stage::Mosaic, share))?;
+    let mosaic = lay(&surface, &field, backend, count, options, &|share| progress(Stage::Mosaic, share))?;
 
     clock.begin(Stage::Connect);
     let triangulation = triangulate(&surface, &field, &mosaic);
@@ -259,10 +268,12 @@ pub fn lay(
     field: &Field,
     backend: &dyn Backend,
     count: usize,
+    options: &Options,
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
     let ground = backend.ground(surface, field)?;
-    Layer { surface, field, backend, ground: &*ground, effort: Effort::default(), progress }.with_count(count)
+    Layer { surface, field, backend, ground: &*ground, effort: Effort::default(), rows: options.rows, progress }
+        .with_count(count)
 }
 
 /// How many vertices that makes.

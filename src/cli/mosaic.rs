@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let device = machine.open()?;
     let backend = device.backend()?;
     let field = pipeline::field(&surface, count, &options, &*backend)?;
-    let mosaic = pipeline::lay(&surface, &field, &*backend, count, &|_| ())?;
+    let mosaic = pipeline::lay(&surface, &field, &*backend, count, &options, &|_| ())?;
 
     let fit = Fit::of(&surface, &mosaic);
     let (mesh, tiles) = squares(&surface, &mosaic, *grout as f32);

@@ -142,7 +142,7 @@ impl Arguments {
             Some(Style::Streamlines) => field_scene(&surface, &field, FieldStyle::Streamlines),
             Some(Style::Crosses) => field_scene(&surface, &field, FieldStyle::Crosses),
             None => {
-                let mosaic = pipeline::lay(&surface, &field, &*backend, count, &|_| ())?;
+                let mosaic = pipeline::lay(&surface, &field, &*backend, count, &options, &|_| ())?;
                 let fit = matches!(self.colour, Colours::Quality).then(|| Fit::of(&surface, &mosaic));
                 let fit = fit.as_ref().map(|fit| fit.of_tiles.as_slice());
                 mosaic_scene(&surface, &mosaic, self.grout as f32, fit)

@@ -214,7 +214,7 @@ impl Work<'_> {
         let started = Instant::now();
         let (surface, count) = prepare(&subject.soup, &usual).map_err(failed)?;
         let field = pipeline::field(&surface, count, &usual, self.backend).map_err(compute)?;
-        let mosaic = pipeline::lay(&surface, &field, self.backend, count, &|_| ()).map_err(compute)?;
+        let mosaic = pipeline::lay(&surface, &field, self.backend, count, &usual, &|_| ()).map_err(compute)?;
         let triangulation = triangulate(&surface, &field, &mosaic);
         let laid = started.elapsed();
         self.done += weight(points, 0);
