@@ -180,10 +180,18 @@ pub fn run(
         None => (filled.clone(), None),
     };
 
-    clock.begin(Stage::Smooth);
     let kept = counts.as_ref().map(|counts| counts.kept.as_slice());
     let below = triangulation.free_triangles(kept);
-    let smoothed = smooth(&surface, &cleaned, &below, options.smoothing);
+    let chosen: Vec<u32> = kept.map_or_else(|| (0..cleaned.points.len() as u32).collect(), <[u32]>::to_vec);
+    let anchors = anchors.of(&chosen);
+    let (cleaned, below) = smooth(&surface, &cleaned, &below, 2);
+    let paired = crate::mesh::pair::pair(&surface, &cleaned, &anchors, &below, &Default::default());
+    eprintln!("{:?}", paired.counts);
+
+    clock.begin(Stage::Smooth);
+    let (smoothed, _) = smooth(&surface, &paired.mesh, &paired.below, options.smoothing);
+    let kept: Vec<u32> = paired.kept.iter().map(|&v| if v == u32::MAX { v } else { chosen[v as usize] }).collect();
+    let kept = Some(kept.as_slice());
     let before = join(&filled, &triangulation.joints(None)).mesh;
     let named = with_regions(&smoothed, &surface, &mosaic, &triangulation, kept);
     let Joined { mesh, branches } = join(&named, &triangulation.joints(kept));

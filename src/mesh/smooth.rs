@@ -19,7 +19,7 @@ const STRIDES: [f32; 2] = [0.9, 0.4];
 const SETTLED: f32 = 1e-3;
 
 /// Moves the vertices `passes` times. `triangles` names the triangle below each vertex, `None` where it is fixed.
-pub fn smooth(surface: &Surface, mesh: &Mesh, triangles: &[Option<u32>], passes: usize) -> Mesh {
+pub fn smooth(surface: &Surface, mesh: &Mesh, triangles: &[Option<u32>], passes: usize) -> (Mesh, Vec<Option<u32>>) {
     let mut mesh = mesh.clone();
     let mut triangles = triangles.to_vec();
     let incidence = Incidence::new(&mesh);
@@ -49,7 +49,7 @@ pub fn smooth(surface: &Surface, mesh: &Mesh, triangles: &[Option<u32>], passes:
             }
         }
     }
-    mesh
+    (mesh, triangles)
 }
 
 fn to_f64(p: Vec3) -> [f64; 3] {

@@ -91,7 +91,7 @@ impl Triangulation {
     pub fn free_triangles(&self, kept: Option<&[u32]>) -> Vec<Option<u32>> {
         let below = |v: usize| self.is_free(v).then(|| self.tiles[v].triangle);
         match kept {
-            Some(kept) => kept.iter().map(|&v| below(v as usize)).collect(),
+            Some(kept) => kept.iter().map(|&v| if v == NONE { None } else { below(v as usize) }).collect(),
             None => (0..self.tiles.len()).map(below).collect(),
         }
     }
@@ -104,6 +104,9 @@ impl Triangulation {
         (0..)
             .zip(kept)
             .map(|(v, &old)| {
+                if old == NONE {
+                    return v;
+                }
                 let first = &mut first[self.same_place[old as usize] as usize];
                 *first = v.min(*first);
                 *first

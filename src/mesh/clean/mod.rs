@@ -47,6 +47,19 @@ pub struct Anchors {
     pub axes: Vec<[f32; 3]>,
 }
 
+impl Anchors {
+    /// Those of some of the vertices, in ascending order.
+    pub fn of(&self, kept: &[u32]) -> Self {
+        let number = |v: u32| kept.binary_search(&v).ok().map(|place| place as u32);
+        Self {
+            feature_edges: self.feature_edges.iter().filter_map(|&[a, b]| Some([number(a)?, number(b)?])).collect(),
+            fixed: kept.iter().map(|&v| self.fixed[v as usize]).collect(),
+            normals: kept.iter().map(|&v| self.normals[v as usize]).collect(),
+            axes: kept.iter().map(|&v| self.axes[v as usize]).collect(),
+        }
+    }
+}
+
 /// How [`clean`] works.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CleanOptions {
@@ -119,7 +132,7 @@ pub fn clean(mesh: &Mesh, anchors: &Anchors, options: &CleanOptions) -> (Mesh, C
 }
 
 struct Cleaner<'a> {
-    editor: Editor<'a>,
+    editor: Editor,
     worth: Worth<'a>,
 }
 
