@@ -59,9 +59,9 @@ impl<'a> Draft<'a> {
         self.faces.iter().map(|(face, corners)| (*face, slice(corners)))
     }
 
-    /// The vertices that the draft adds and those whose copies they are.
-    pub(super) fn copies(&self) -> impl Iterator<Item = (u32, u32)> {
-        (self.first_copy()..).zip(self.copies.iter().copied())
+    /// The vertices whose copies the draft adds.
+    pub(super) fn copies(&self) -> &[u32] {
+        &self.copies
     }
 
     /// The places that the draft gives vertices.
@@ -164,10 +164,14 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// How far a vertex is from having the faces that it should.
-    pub(super) fn irregularity(&self, vertex: u32) -> f64 {
-        let ideal = self.scene.ideal[self.original(vertex) as usize];
-        (self.valence(vertex) as f64 - f64::from(ideal)).powi(2)
+    /// How far a vertex with some faces more is from having those that it should.
+    pub(super) fn irregularity(&self, vertex: u32, more: i32) -> f64 {
+        f64::from(self.valence(vertex) as i32 + more - self.ideal(vertex)).powi(2)
+    }
+
+    /// How many faces a vertex should have.
+    pub(super) fn ideal(&self, vertex: u32) -> i32 {
+        self.scene.ideal[self.original(vertex) as usize].into()
     }
 
     /// The vertices of all changed faces, as they were and as they are, sorted.

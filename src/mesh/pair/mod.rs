@@ -23,6 +23,8 @@ use serde::Serialize;
 use settle::{Settled, settle};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use step::Step;
+use rows::Within;
 
 /// How [`pair`] works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +42,7 @@ pub struct PairOptions {
 impl Default for PairOptions {
     fn default() -> Self {
         let env = |n: &str, d: f64| std::env::var(n).ok().and_then(|s| s.parse().ok()).unwrap_or(d);
-        Self { triangle_price: env("PRICE", 0.5), least_shape: env("LEAST", 0.4), longest_row: env("ROW", 8.0) as usize, drafts: env("DRAFTS", 60.0) as usize }
+        Self { triangle_price: env("PRICE", 0.5), least_shape: env("LEAST", 0.4), longest_row: env("ROW", 8.0) as usize, drafts: env("DRAFTS", 30.0) as usize }
     }
 }
 
@@ -105,10 +107,14 @@ const ROUNDS: usize = 12;
 const SETTLED: usize = 3;
 /// What a step costs besides, in squared valences.
 const STEP: f64 = 0.1;
-/// What each quad of a row costs besides.
-const LENGTH: f64 = 0.1;
+/// What the last step may make good at most.
+const HOPE: f64 = 2.5;
+/// Rows are looked for from drafts that cost less.
+const CHEAP: f64 = 0.5;
 /// Drafts that cost more are not followed.
 const MOST: f64 = 2.6;
+/// Drafts that gain less are not made.
+const LEAST_GAIN: f64 = 1e-3;
 
 impl<'a> Work<'a> {
     fn new(
@@ -139,31 +145,31 @@ impl<'a> Work<'a> {
     fn run(&mut self, counts: &mut PairCounts) {
         let mut waiting = self.triangles();
         for _ in 0..ROUNDS {
-            let mut found: Vec<(Kind, Settled)> = waiting.par_iter().filter_map(|t| self.best(*t)).collect();
-            found.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
-            let mut stamped: FxHashSet<u32> = FxHashSet::default();
-            let mut chosen = Vec::new();
+            let mut found: Vec<Found> = waiting.par_iter().filter_map(|t| self.best(*t)).collect();
+            found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+            let mut changed: FxHashSet<u32> = FxHashSet::default();
             let mut again = Vec::new();
-            for (kind, settled) in found {
-                if settled.faces.iter().any(|face| stamped.contains(face)) {
-                    again.extend(settled.faces);
-                } else {
-                    stamped.extend(&settled.faces);
-                    chosen.push((kind, Change::of(settled)));
+            for Found { triangle, kind, change, core, .. } in found {
+                if core.iter().any(|face| changed.contains(face)) {
+                    again.push(triangle);
+                    continue;
                 }
-            }
-            if chosen.is_empty() {
-                break;
-            }
-            for (kind, change) in chosen {
+                // Others may have moved what lies about it.
+                let draft = change.onto(&self.scene);
+                let settled = settle(&draft, self.options.triangle_price, self.options.least_shape);
+                let Some(settled) = settled.filter(|settled| settled.gain > LEAST_GAIN) else { continue };
+                changed.extend(draft.changed().map(|(face, _)| face));
+                again.extend(settled.core);
+                let change = Change::of(&draft);
+                self.apply(&change, &settled.places);
                 match kind {
                     Kind::Met => counts.met += 1,
                     Kind::RowOut => counts.rows_out += 1,
                     Kind::RowIn => counts.rows_in += 1,
                 }
-                again.extend(change.faces.iter().map(|face| face.0));
-                again.extend(&change.about);
-                self.apply(&change);
+            }
+            if changed.is_empty() {
+                break;
             }
             again.sort_unstable();
             again.dedup();
@@ -172,73 +178,69 @@ impl<'a> Work<'a> {
     }
 
     /// The best that can be done about a triangle, if anything gains.
-    fn best(&self, triangle: u32) -> Option<(Kind, Settled<'_>)> {
-        let mut ends = self.search(triangle);
-        ends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        ends.into_iter()
-            .filter(|end| end.draft.is_sound())
-            .take(SETTLED)
-            .filter_map(|end| {
-                settle(end.draft, self.options.triangle_price, self.options.least_shape).map(|s| (end.kind, s))
+    fn best(&self, triangle: u32) -> Option<Found> {
+        self.search(triangle)
+            .into_iter()
+            .filter_map(|End { kind, draft, .. }| {
+                let Settled { gain, core, .. } = settle(&draft, self.options.triangle_price, self.options.least_shape)?;
+                Some(Found { triangle, kind, gain, core, change: Change::of(&draft) })
             })
-            .filter(|(_, settled)| settled.gain > 1e-3)
-            .reduce(|best, other| if other.1.gain > best.1.gain { other } else { best })
+            .filter(|found| found.gain > LEAST_GAIN)
+            .reduce(|best, other| if other.gain > best.gain { other } else { best })
     }
 
-    /// Drafts in which the triangle is no more, by uniform-cost search over its steps.
+    /// The cheapest drafts in which the triangle is no more, by uniform-cost search over its steps.
     fn search(&self, triangle: u32) -> Vec<End<'_>> {
-        let start = Node { draft: Draft::new(&self.scene), triangle, cost: 0.0, order: 0 };
+        let mut walked = vec![(Draft::new(&self.scene), triangle)];
         let mut seen: FxHashSet<[u32; 3]> = FxHashSet::default();
-        let mut heap = BinaryHeap::from([start]);
-        let mut ends = Vec::new();
-        let mut order = 0;
-        for _ in 0..self.options.drafts {
-            let Some(Node { draft, triangle, cost, .. }) = heap.pop() else { break };
-            let [a, b, c] = [0, 1, 2].map(|k| draft.face(triangle)[k]);
-            let mut key = [a, b, c];
-            key.sort_unstable();
-            if !seen.insert(key) {
-                continue;
-            }
-            let first_only = order == 0 || cost < 0.5;
+        let mut heap: BinaryHeap<Reached> = BinaryHeap::new();
+        let mut ends = Ends { list: Vec::new() };
+        let (mut node, mut cost) = (0, 0.0);
+        loop {
+            let (draft, triangle) = (&walked[node].0, walked[node].1);
             for side in 0..3 {
-                let [x, y, z] = [0, 1, 2].map(|k| [a, b, c][(side + k) % 3]);
-                if first_only {
-                    if let Some(row) = rows::take_out(&draft, triangle, side, self.options.longest_row) {
-                        ends.push(End::new(Kind::RowOut, row, &self.scene));
-                    }
-                    for row in rows::put_in(&draft, triangle, z, self.options.longest_row) {
-                        ends.push(End::new(Kind::RowIn, row, &self.scene));
-                    }
+                let corners = draft.face(triangle);
+                let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
+                if cost < CHEAP {
+                    let longest = self.options.longest_row;
+                    let within = |ends: &Ends| Within { longest, most: ends.most() - cost };
+                    let out = rows::take_out(draft, triangle, side, within(&ends));
+                    ends.extend(Kind::RowOut, cost, out);
+                    let rows = rows::put_in(draft, triangle, z, within(&ends));
+                    ends.extend(Kind::RowIn, cost, rows);
                 }
                 let Some(next) = draft.across(x, y) else { continue };
                 match draft.face(next).len() {
-                    3 => {
-                        if let Some(met) = step::meet(&draft, triangle, side, next) {
-                            ends.push(End::new(Kind::Met, met, &self.scene));
-                        }
-                    }
-                    4 => {
-                        for stepped in step::steps(&draft, triangle, side, next) {
-                            let cost = cost_of(&stepped) + STEP * stepped.changed().count() as f64;
-                            if cost < MOST {
-                                order += 1;
-                                heap.push(Node { draft: stepped, triangle: next, cost, order });
-                            }
-                        }
-                    }
+                    3 => ends.extend(Kind::Met, cost, [step::meet(draft, triangle, side, next)]),
+                    4 => heap.extend(step::steps(draft, triangle, side, next).filter_map(|step| {
+                        let cost = cost + step.cost(draft) + STEP;
+                        (cost - HOPE < ends.most() && !seen.contains(&step.key()))
+                            .then_some(Reached { cost, from: node, step })
+                    })),
                     _ => {}
                 }
             }
+            if walked.len() == self.options.drafts {
+                return ends.list;
+            }
+            let next = loop {
+                let Some(next) = heap.pop() else { return ends.list };
+                if next.cost - HOPE > ends.most() {
+                    return ends.list;
+                }
+                if seen.insert(next.step.key()) {
+                    break next;
+                }
+            };
+            cost = next.cost;
+            node = walked.len();
+            walked.push(next.step.take(&walked[next.from].0));
         }
-        ends
     }
 
-    fn apply(&mut self, change: &Change) {
-        let first_face = self.scene.editor.face_count() as u32;
-        let first_vertex = self.scene.editor.vertex_count() as u32;
-        let vertex = |v: u32| if v >= change.first_copy { v - change.first_copy + first_vertex } else { v };
-        for &(_, source) in &change.copies {
+    /// Makes a change of the mesh as it is, and walks its vertices to their places.
+    fn apply(&mut self, change: &Change, places: &[(u32, DVec3)]) {
+        for &source in &change.copies {
             self.scene.editor.add_vertex(self.scene.editor.point(source));
             self.scene.normals.push(self.scene.normals[source as usize]);
             self.scene.ideal.push(4);
@@ -246,19 +248,16 @@ impl<'a> Work<'a> {
             self.below.push(self.below[source as usize]);
         }
         for (face, corners) in &change.faces {
-            let face = if *face >= change.first_face { face - change.first_face + first_face } else { *face };
-            let corners: Vec<u32> = corners.iter().map(|v| vertex(*v)).collect();
-            self.scene.editor.set_face(face, &corners);
+            self.scene.editor.set_face(*face, corners);
         }
         let barrier = |h| self.surface.features().is_feature(h);
-        for &(v, place) in &change.places {
-            let v = vertex(v);
+        for &(v, place) in places {
             let Some(triangle) = self.below[v as usize] else { continue };
-            let from = DVec3::from(self.scene.editor.point(v)).as_vec3();
+            let from = DVec3::from(self.scene.editor.point(v));
             let normal = self.surface.normal(triangle as usize);
-            let way = place.as_vec3() - from;
+            let way = (place - from).as_vec3();
             let way = way - normal * normal.dot(way);
-            let foot = walk(self.surface, barrier, triangle, from, way, WALK_EDGES);
+            let foot = walk(self.surface, barrier, triangle, from.as_vec3(), way, WALK_EDGES);
             self.below[v as usize] = Some(foot.triangle);
             self.scene.editor.place(v, foot.position.as_dvec3().into());
             self.scene.normals[v as usize] = self.surface.normal(foot.triangle as usize).as_dvec3();
@@ -266,58 +265,80 @@ impl<'a> Work<'a> {
     }
 }
 
-/// A draft that has left the search, by value.
+/// The best draft for a triangle, by value: the mesh may change before it is made.
+struct Found {
+    triangle: u32,
+    kind: Kind,
+    gain: f64,
+    /// The faces that must still be as they were.
+    core: Vec<u32>,
+    change: Change,
+}
+
+/// What a draft changes.
 struct Change {
     faces: Vec<(u32, Vec<u32>)>,
-    copies: Vec<(u32, u32)>,
+    copies: Vec<u32>,
     places: Vec<(u32, DVec3)>,
-    /// Faces that only moved.
-    about: Vec<u32>,
-    first_face: u32,
-    first_copy: u32,
+    /// How many faces and vertices the mesh had.
+    known: [u32; 2],
 }
 
 impl Change {
-    fn of(settled: Settled) -> Self {
-        let draft = settled.draft;
+    fn of(draft: &Draft) -> Self {
         Self {
             faces: draft.changed().map(|(face, corners)| (face, corners.to_vec())).collect(),
-            copies: draft.copies().collect(),
+            copies: draft.copies().to_vec(),
             places: draft.places().to_vec(),
-            about: settled.faces,
-            first_face: draft.scene.editor.face_count() as u32,
-            first_copy: draft.first_copy(),
+            known: [draft.scene.editor.face_count() as u32, draft.first_copy()],
         }
     }
-}
 
-/// A triangle that has walked.
-struct Node<'a> {
-    draft: Draft<'a>,
-    triangle: u32,
-    cost: f64,
-    order: u32,
-}
-
-impl Ord for Node<'_> {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.cost.total_cmp(&self.cost).then(other.order.cmp(&self.order))
+    /// The draft again, on a mesh that may have grown.
+    fn onto<'a>(&self, scene: &'a Scene<'a>) -> Draft<'a> {
+        let mut draft = Draft::new(scene);
+        let [faces, vertices] = self.known;
+        let more = [scene.editor.face_count() as u32 - faces, scene.editor.vertex_count() as u32 - vertices];
+        let moved = |id: u32, known: u32, more: u32| if id < known { id } else { id + more };
+        self.copies.iter().for_each(|&source| {
+            draft.copy(source);
+        });
+        for (face, corners) in &self.faces {
+            let corners: Vec<u32> = corners.iter().map(|&v| moved(v, vertices, more[1])).collect();
+            draft.set_face(moved(*face, faces, more[0]), &corners);
+        }
+        self.places.iter().for_each(|&(v, place)| draft.place(moved(v, vertices, more[1]), place));
+        draft
     }
 }
 
-impl PartialOrd for Node<'_> {
+/// A step that the search can take.
+struct Reached {
+    cost: f64,
+    /// Where from, by the order in which drafts were reached.
+    from: usize,
+    step: Step,
+}
+
+impl Ord for Reached {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.cost.total_cmp(&self.cost).then(other.from.cmp(&self.from)).then(other.step.key().cmp(&self.step.key()))
+    }
+}
+
+impl PartialOrd for Reached {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Node<'_> {
+impl PartialEq for Reached {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Node<'_> {}
+impl Eq for Reached {}
 
 /// A draft in which two triangles are no more.
 struct End<'a> {
@@ -326,25 +347,27 @@ struct End<'a> {
     cost: f64,
 }
 
-impl<'a> End<'a> {
-    fn new(kind: Kind, draft: Draft<'a>, _scene: &Scene) -> Self {
-        let cost = cost_of(&draft) + LENGTH * draft.changed().count() as f64;
-        Self { kind, draft, cost }
-    }
+/// The cheapest of them, in order.
+struct Ends<'a> {
+    list: Vec<End<'a>>,
 }
 
-/// How much more irregular a draft is than the mesh as it is.
-fn cost_of(draft: &Draft) -> f64 {
-    let now = Draft::new(draft.scene);
-    draft
-        .touched()
-        .into_iter()
-        .map(|v| {
-            let after = if draft.around(v).next().is_none() { 0.0 } else { draft.irregularity(v) };
-            let before = if v >= draft.first_copy() { 0.0 } else { now.irregularity(v) };
-            after - before
-        })
-        .sum()
+impl<'a> Ends<'a> {
+    /// What costs more is of no use.
+    fn most(&self) -> f64 {
+        self.list.get(SETTLED - 1).map_or(MOST, |end| end.cost)
+    }
+
+    fn extend(&mut self, kind: Kind, before: f64, drafts: impl IntoIterator<Item = (f64, Draft<'a>)>) {
+        for (cost, draft) in drafts {
+            let cost = before + cost;
+            if cost < self.most() && draft.is_sound() {
+                let place = self.list.partition_point(|end| end.cost <= cost);
+                self.list.insert(place, End { kind, draft, cost });
+                self.list.truncate(SETTLED);
+            }
+        }
+    }
 }
 
 /// How many faces a vertex on a feature should have: between two feature edges, one a right angle.

@@ -3,6 +3,20 @@
 use super::draft::Draft;
 use glam::DVec3;
 
+/// What each quad of a row costs beside the valences that it changes.
+const LENGTH: f64 = 0.2;
+/// What the last vertex of a row may make good.
+const GAIN: f64 = 2.0;
+
+/// Which rows are worth a draft.
+#[derive(Clone, Copy)]
+pub(super) struct Within {
+    /// Quads.
+    pub(super) longest: usize,
+    /// Cost.
+    pub(super) most: f64,
+}
+
 /// Takes out the row that begins beyond the side `x` to `y` of a triangle and ends with another triangle: its quads'
 /// short sides are drawn together.
 ///
@@ -13,12 +27,20 @@ use glam::DVec3;
 ///    \ |   |   | /
 ///      y---o---o
 /// ```
-pub(super) fn take_out<'a>(draft: &Draft<'a>, triangle: u32, side: usize, longest: usize) -> Option<Draft<'a>> {
+pub(super) fn take_out<'a>(draft: &Draft<'a>, triangle: u32, side: usize, within: Within) -> Option<(f64, Draft<'a>)> {
     let corners = draft.face(triangle);
-    let (mut a, mut b) = (corners[side], corners[(side + 1) % 3]);
+    let [mut a, mut b, apex] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
     let mut pairs = vec![(a, b)];
     let mut row = vec![triangle];
+    let mut cost = less(draft, apex);
     loop {
+        // The faces on both sides of a pair go, from both of its ends.
+        let merged = draft.valence(a) as i32 + draft.valence(b) as i32 - 4;
+        let ideal = if draft.is_fixed(b) { draft.ideal(b) } else { draft.ideal(a) };
+        cost += f64::from(merged - ideal).powi(2) - draft.irregularity(a, 0) - draft.irregularity(b, 0) + LENGTH;
+        if cost - GAIN > within.most {
+            return None;
+        }
         let face = draft.across(a, b)?;
         let corners = draft.face(face);
         if row.contains(&face) || corners.len() > 4 {
@@ -26,9 +48,11 @@ pub(super) fn take_out<'a>(draft: &Draft<'a>, triangle: u32, side: usize, longes
         }
         row.push(face);
         if corners.len() == 3 {
+            let last = *corners.iter().find(|v| ![a, b].contains(v))?;
+            cost += less(draft, last);
             break;
         }
-        if pairs.len() > longest {
+        if pairs.len() > within.longest {
             return None;
         }
         // The face runs from b to a, on to the next pair, and back.
@@ -38,6 +62,9 @@ pub(super) fn take_out<'a>(draft: &Draft<'a>, triangle: u32, side: usize, longes
             return None;
         }
         pairs.push((a, b));
+    }
+    if cost > within.most {
+        return None;
     }
     let mut result = draft.clone();
     row.iter().for_each(|&face| result.set_face(face, &[]));
@@ -52,7 +79,12 @@ pub(super) fn take_out<'a>(draft: &Draft<'a>, triangle: u32, side: usize, longes
         }
         rename(&mut result, goes, stays, |_| true)?;
     }
-    Some(result)
+    Some((cost, result))
+}
+
+/// What it costs a vertex to have a face less.
+fn less(draft: &Draft, vertex: u32) -> f64 {
+    draft.irregularity(vertex, -1) - draft.irregularity(vertex, 0)
 }
 
 /// Gives `to` the faces of `from` that `which` names; `None` where one has more than four sides.
@@ -86,44 +118,62 @@ struct Opening {
 ///   | /       \ |           |   |   |   |   |
 ///   o           o           o---z'--o---w'--o
 /// ```
-pub(super) fn put_in<'a>(draft: &Draft<'a>, triangle: u32, apex: u32, longest: usize) -> Vec<Draft<'a>> {
-    if draft.is_fixed(apex) {
-        return Vec::new();
+pub(super) fn put_in<'a>(draft: &Draft<'a>, triangle: u32, apex: u32, within: Within) -> Vec<(f64, Draft<'a>)> {
+    let mut lines = Lines { draft, triangle, within, line: Vec::new(), rows: Vec::new() };
+    if !draft.is_fixed(apex)
+        && let Some(fan) = draft.fan(apex, triangle)
+    {
+        lines.leave(apex, &fan[1..], 0.0);
     }
-    let Some(fan) = draft.fan(apex, triangle) else { return Vec::new() };
-    let mut rows = Vec::new();
-    for first in 1..fan.len() {
-        if draft.face(fan[first]).len() == 3 && first > 1 && first + 1 < fan.len() {
-            let opening = Opening { vertex: apex, right: fan[1..first].to_vec(), left: fan[first + 1..].to_vec() };
-            rows.extend(open(draft, triangle, fan[first], &[opening]));
-        }
-        if first + 1 < fan.len() && draft.face(fan[first]).len() == 4 {
-            let opening = Opening { vertex: apex, right: fan[1..=first].to_vec(), left: fan[first + 1..].to_vec() };
-            rows.extend(follow(draft, triangle, opening, longest));
-        }
-    }
-    rows
+    lines.rows
 }
 
-/// The row along the straight line that leaves the apex between its right and left faces, if it comes to a triangle.
-fn follow<'a>(draft: &Draft<'a>, triangle: u32, apex: Opening, longest: usize) -> Option<Draft<'a>> {
-    let mut line = vec![apex];
-    loop {
-        let Opening { vertex: from, left, .. } = &line[line.len() - 1];
-        let at = draft.wings(*left.first()?, *from)[1];
-        if draft.is_fixed(at) || line.len() > longest || line.iter().any(|opening| opening.vertex == at) {
-            return None;
+/// The search for lines, as straight as the vertices on them allow.
+struct Lines<'a, 'b> {
+    draft: &'b Draft<'a>,
+    triangle: u32,
+    within: Within,
+    line: Vec<Opening>,
+    rows: Vec<(f64, Draft<'a>)>,
+}
+
+impl Lines<'_, '_> {
+    /// Tries all ways between the faces, counter-clockwise, of a vertex that the line has come to; `cost` is that of the
+    /// line so far.
+    fn leave(&mut self, vertex: u32, fan: &[u32], cost: f64) {
+        let cost = cost + LENGTH - self.draft.irregularity(vertex, 0);
+        let halves = |right: usize, left: usize| {
+            // Each copy has a quad of the row, or a triangle that becomes one, on either side.
+            cost + (right as f64 - 2.0).powi(2) + (left as f64 - 2.0).powi(2)
+        };
+        for end in 1..fan.len().saturating_sub(1) {
+            let cost = halves(end, fan.len() - end - 1);
+            if cost <= self.within.most && self.draft.face(fan[end]).len() == 3 && fan[end] != self.triangle {
+                self.line.push(Opening { vertex, right: fan[..end].to_vec(), left: fan[end + 1..].to_vec() });
+                self.rows.extend(open(self.draft, self.triangle, fan[end], &self.line).map(|row| (cost, row)));
+                self.line.pop();
+            }
         }
-        let fan = draft.fan(at, draft.left(at, *from)?)?;
-        let end = (1..fan.len() - 1).find(|&k| draft.face(fan[k]).len() == 3 && fan[k] != triangle);
-        if let Some(end) = end {
-            line.push(Opening { vertex: at, right: fan[..end].to_vec(), left: fan[end + 1..].to_vec() });
-            return open(draft, triangle, fan[end], &line);
+        for half in 1..fan.len() {
+            let cost = halves(half, fan.len() - half);
+            if cost - GAIN <= self.within.most && self.line.len() < self.within.longest {
+                self.line.push(Opening { vertex, right: fan[..half].to_vec(), left: fan[half..].to_vec() });
+                self.follow(cost);
+                self.line.pop();
+            }
         }
-        if fan.len() != 4 {
-            return None;
+    }
+
+    /// Goes on from the last vertex of the line, between its right and left faces.
+    fn follow(&mut self, cost: f64) {
+        let Opening { vertex: from, left, .. } = &self.line[self.line.len() - 1];
+        let at = self.draft.wings(left[0], *from)[1];
+        if self.draft.is_fixed(at) || self.line.iter().any(|opening| opening.vertex == at) {
+            return;
         }
-        line.push(Opening { vertex: at, right: fan[..2].to_vec(), left: fan[2..].to_vec() });
+        if let Some(fan) = self.draft.left(at, *from).and_then(|first| self.draft.fan(at, first)) {
+            self.leave(at, &fan, cost);
+        }
     }
 }
 

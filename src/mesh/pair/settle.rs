@@ -12,13 +12,14 @@ const SWEEPS: usize = 6;
 /// The share of the way to its place that a vertex moves in a sweep.
 const STRIDE: f64 = 0.8;
 
-/// A draft with its vertices settled.
-pub(super) struct Settled<'a> {
-    pub(super) draft: Draft<'a>,
+/// What has become of a draft.
+pub(super) struct Settled {
+    /// Where the vertices are that have moved.
+    pub(super) places: Vec<(u32, DVec3)>,
     /// How much less is lost of shape, in perfect quads.
     pub(super) gain: f64,
-    /// The faces that changed or moved.
-    pub(super) faces: Vec<u32>,
+    /// The faces at the vertices of those that changed.
+    pub(super) core: Vec<u32>,
 }
 
 /// What a face of four sides or fewer lacks of a perfect quad.
@@ -32,14 +33,14 @@ fn loss(points: &[DVec3], price: f64) -> f64 {
 
 /// Moves the vertices round the changed faces to where these are nearest to squares, and judges the result; `None` where
 /// a quad would be worse than `least` and than all that were there, or a changed face would look away from the surface.
-pub(super) fn settle<'a>(mut draft: Draft<'a>, price: f64, least: f64) -> Option<Settled<'a>> {
+pub(super) fn settle(draft: &Draft, price: f64, least: f64) -> Option<Settled> {
     // The vertices that move, then those about them.
     let alive = |draft: &Draft, v: &u32| draft.around(*v).next().is_some();
-    let mut vertices: Vec<u32> = draft.touched().into_iter().filter(|v| alive(&draft, v)).collect();
+    let mut vertices: Vec<u32> = draft.touched().into_iter().filter(|v| alive(draft, v)).collect();
     let mut number: FxHashMap<u32, usize> = vertices.iter().enumerate().map(|(k, v)| (*v, k)).collect();
     let mut faces: Vec<u32> = Vec::new();
     let mut face_seen: FxHashMap<u32, ()> = FxHashMap::default();
-    let (mut begin, mut movable) = (0, 0);
+    let (mut begin, mut movable, mut core) = (0, 0, 0);
     for ring in 0..=RINGS {
         let end = vertices.len();
         if ring == RINGS {
@@ -58,6 +59,9 @@ pub(super) fn settle<'a>(mut draft: Draft<'a>, price: f64, least: f64) -> Option
                     }
                 }
             }
+        }
+        if ring == 0 {
+            core = faces.len();
         }
         begin = end;
         if ring + 1 == RINGS {
@@ -122,11 +126,9 @@ pub(super) fn settle<'a>(mut draft: Draft<'a>, price: f64, least: f64) -> Option
             return None;
         }
     }
-    for v in (0..movable).filter(|v| free[*v]) {
-        draft.place(vertices[v], points[v]);
-    }
-    faces.extend(gone);
-    Some(Settled { draft, gain, faces })
+    let places = (0..movable).filter(|v| free[*v]).map(|v| (vertices[v], points[v])).collect();
+    let core = gone.iter().chain(&faces[..core]).copied().collect();
+    Some(Settled { places, gain, core })
 }
 
 /// Where the vertex would be if the face were the regular polygon that fits it best.
