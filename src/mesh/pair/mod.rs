@@ -110,7 +110,7 @@ const STEP: f64 = 0.1;
 /// What the last step may make good at most.
 const HOPE: f64 = 2.5;
 /// Rows are looked for from drafts that cost less.
-const CHEAP: f64 = 0.5;
+const CHEAP: f64 = 0.35;
 /// Drafts that cost more are not followed.
 const MOST: f64 = 2.6;
 /// Drafts that gain less are not made.
@@ -145,12 +145,15 @@ impl<'a> Work<'a> {
     fn run(&mut self, counts: &mut PairCounts) {
         let mut waiting = self.triangles();
         for _ in 0..ROUNDS {
+            let now = std::time::Instant::now(); let nw = waiting.len();
             let mut found: Vec<Found> = waiting.par_iter().filter_map(|t| self.best(*t)).collect();
+            eprintln!("waiting {nw} {} {:?} changed", found.len(), now.elapsed());
             found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
             let mut changed: FxHashSet<u32> = FxHashSet::default();
+            let known = self.scene.editor.face_count() as u32;
             let mut again = Vec::new();
             for Found { triangle, kind, change, core, .. } in found {
-                if core.iter().any(|face| changed.contains(face)) {
+                if core.iter().any(|face| *face < known && changed.contains(face)) {
                     again.push(triangle);
                     continue;
                 }
@@ -168,6 +171,7 @@ impl<'a> Work<'a> {
                     Kind::RowIn => counts.rows_in += 1,
                 }
             }
+            eprintln!("applied {}", counts.met + counts.rows_in + counts.rows_out);
             if changed.is_empty() {
                 break;
             }

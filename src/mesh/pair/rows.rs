@@ -154,9 +154,11 @@ impl Lines<'_, '_> {
                 self.line.pop();
             }
         }
-        for half in 1..fan.len() {
+        // The first vertex has the triangle beside these faces, and may be left to either side.
+        let slack = usize::from(self.line.is_empty());
+        for half in (fan.len() / 2 - slack).max(1)..=(fan.len().div_ceil(2) + slack).min(fan.len() - 1) {
             let cost = halves(half, fan.len() - half);
-            if cost - GAIN <= self.within.most && self.line.len() < self.within.longest {
+            if cost - 1.0 <= self.within.most && self.line.len() < self.within.longest {
                 self.line.push(Opening { vertex, right: fan[..half].to_vec(), left: fan[half..].to_vec() });
                 self.follow(cost);
                 self.line.pop();
