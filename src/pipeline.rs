@@ -184,12 +184,12 @@ pub fn run(
     let below = triangulation.free_triangles(kept);
     let chosen: Vec<u32> = kept.map_or_else(|| (0..cleaned.points.len() as u32).collect(), <[u32]>::to_vec);
     let anchors = anchors.of(&chosen);
-    let (cleaned, below) = smooth(&surface, &cleaned, &below, 2);
+    let crate::mesh::smooth::Smoothed { mesh: cleaned, below } = smooth(&surface, &cleaned, &below, 2);
     let paired = crate::mesh::pair::pair(&surface, &cleaned, &anchors, &below, &Default::default());
     eprintln!("{:?}", paired.counts);
 
     clock.begin(Stage::Smooth);
-    let (smoothed, _) = smooth(&surface, &paired.mesh, &paired.below, options.smoothing);
+    let smoothed = smooth(&surface, &paired.mesh, &paired.below, options.smoothing).mesh;
     let kept: Vec<u32> = paired.kept.iter().map(|&v| if v == u32::MAX { v } else { chosen[v as usize] }).collect();
     let kept = Some(kept.as_slice());
     let before = join(&filled, &triangulation.joints(None)).mesh;

@@ -2,6 +2,7 @@
 
 use super::draft::Draft;
 use crate::mesh::quality::{quad_shape, triangle_shape};
+use crate::mesh::smooth::regular;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
@@ -89,7 +90,7 @@ pub(super) fn settle(draft: &Draft, price: f64, least: f64) -> Option<Settled> {
             for &(f, place) in &around[v] {
                 let face = &corners[f];
                 let share = if face.len() == 3 { 0.5 } else { 1.0 };
-                way += (ideal(face, place, &points) - points[v]) * share;
+                way += (regular(face.len(), |k| points[face[(place + k) % face.len()]]) - points[v]) * share;
                 weight += share;
             }
             let way = way / weight * STRIDE;
@@ -129,26 +130,4 @@ pub(super) fn settle(draft: &Draft, price: f64, least: f64) -> Option<Settled> {
     let places = (0..movable).filter(|v| free[*v]).map(|v| (vertices[v], points[v])).collect();
     let core = gone.iter().chain(&faces[..core]).copied().collect();
     Some(Settled { places, gain, core })
-}
-
-/// Where the vertex would be if the face were the regular polygon that fits it best.
-fn ideal(face: &[usize], place: usize, points: &[DVec3]) -> DVec3 {
-    let count = face.len();
-    let at = |k: usize| points[face[(place + k) % count]];
-    match count {
-        4 => {
-            let (a, b, c, d) = (at(0), at(1), at(2), at(3));
-            let centre = (a + b + c + d) / 4.0;
-            let normal = (c - a).cross(d - b).normalize_or_zero();
-            centre + ((a - c) + normal.cross(d - b)) / 4.0
-        }
-        3 => {
-            let (a, b, c) = (at(0), at(1), at(2));
-            let centre = (a + b + c) / 3.0;
-            let normal = (b - a).cross(c - a).normalize_or_zero();
-            // The arms of the other two, turned by a third of a turn each way, and its own.
-            centre + ((a - centre) * 1.5 + normal.cross(c - b) * (3.0_f64.sqrt() / 2.0)) / 3.0
-        }
-        _ => at(0),
-    }
 }
