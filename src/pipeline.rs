@@ -185,7 +185,7 @@ pub fn run(
     let chosen: Vec<u32> = kept.map_or_else(|| (0..cleaned.points.len() as u32).collect(), <[u32]>::to_vec);
     let anchors = anchors.of(&chosen);
     let crate::mesh::smooth::Smoothed { mesh: cleaned, below } = smooth(&surface, &cleaned, &below, 2);
-    let paired = crate::mesh::pair::pair(&surface, &cleaned, &anchors, &below, &Default::default());
+    let paired = crate::mesh::pair::pair(&surface, &cleaned, &anchors, &below, &crate::mesh::pair::PairOptions { quads: if std::env::var("ALL").is_ok() { crate::mesh::pair::Quads::All } else { Default::default() }, ..Default::default() });
     eprintln!("{:?}", paired.counts);
 
     clock.begin(Stage::Smooth);

@@ -2,9 +2,10 @@
 
 use crate::mesh::edit::Editor;
 use glam::DVec3;
+use rustc_hash::FxHashSet;
 
 /// The mesh under work and what must be known of its vertices.
-pub(super) struct Scene<'a> {
+pub(super) struct Scene {
     pub(super) editor: Editor,
     /// Unit normals of the surface.
     pub(super) normals: Vec<DVec3>,
@@ -12,14 +13,14 @@ pub(super) struct Scene<'a> {
     pub(super) ideal: Vec<u8>,
     /// Vertices that may neither move nor vanish.
     pub(super) fixed: Vec<bool>,
-    /// Edges that stay, the smaller id first, sorted.
-    pub(super) features: &'a [[u32; 2]],
+    /// Edges that stay, the smaller id first.
+    pub(super) features: FxHashSet<[u32; 2]>,
 }
 
-impl Scene<'_> {
+impl Scene {
     pub(super) fn is_feature(&self, a: u32, b: u32) -> bool {
         let on = |v: u32| self.fixed.get(v as usize) == Some(&true);
-        on(a) && on(b) && self.features.binary_search(&[a.min(b), a.max(b)]).is_ok()
+        on(a) && on(b) && self.features.contains(&[a.min(b), a.max(b)])
     }
 }
 
@@ -32,7 +33,7 @@ type Corners = [u32; 4];
 /// Faces of a draft are found by a search through all that it changes: they are few.
 #[derive(Clone)]
 pub(super) struct Draft<'a> {
-    pub(super) scene: &'a Scene<'a>,
+    pub(super) scene: &'a Scene,
     /// Faces that the draft changes, gone ones and new ones too.
     faces: Vec<(u32, Corners)>,
     /// New vertices, by the vertex whose copy each is.
@@ -42,7 +43,7 @@ pub(super) struct Draft<'a> {
 }
 
 impl<'a> Draft<'a> {
-    pub(super) fn new(scene: &'a Scene<'a>) -> Self {
+    pub(super) fn new(scene: &'a Scene) -> Self {
         Self { scene, faces: Vec::new(), copies: Vec::new(), places: Vec::new() }
     }
 

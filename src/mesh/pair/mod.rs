@@ -7,6 +7,7 @@
 //! ([`settle`]): the vertices about them move to where they would in the end, and the shapes that result decide.
 
 mod draft;
+mod far;
 mod rows;
 mod settle;
 mod step;
@@ -26,23 +27,34 @@ use std::collections::BinaryHeap;
 use step::Step;
 use rows::Within;
 
+/// Which triangles are to become quads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quads {
+    /// Those that gain by it.
+    #[default]
+    Most,
+    /// All, whatever it costs.
+    All,
+}
+
 /// How [`pair`] works.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairOptions {
-    /// How much of the sum of shapes a triangle less may cost, in perfect quads. Default 0.5.
+    /// Which triangles are to become quads. Default [`Quads::Most`].
+    pub quads: Quads,
+    /// How much of the sum of shapes a triangle less may cost, in perfect quads. Default 1; 0 asks for better shape.
     pub triangle_price: f64,
-    /// No quad becomes worse than this shape (Qg) unless one about it was. Default 0.4.
+    /// No quad gets a smaller shape (Qg) than this unless one about it had. Default 0.4; 0 still refuses concave quads.
     pub least_shape: f64,
-    /// Longest row, in quads, that is taken out or put in. Default 8.
+    /// Longest row that is taken out or put in, in quads. Default 8.
     pub longest_row: usize,
-    /// Drafts that are looked at from each triangle. Default 60.
+    /// Drafts from which a triangle's way out is looked for. Default 30.
     pub drafts: usize,
 }
 
 impl Default for PairOptions {
     fn default() -> Self {
-        let env = |n: &str, d: f64| std::env::var(n).ok().and_then(|s| s.parse().ok()).unwrap_or(d);
-        Self { triangle_price: env("PRICE", 0.5), least_shape: env("LEAST", 0.4), longest_row: env("ROW", 8.0) as usize, drafts: env("DRAFTS", 30.0) as usize }
+        Self { quads: Quads::default(), triangle_price: 1.0, least_shape: 0.4, longest_row: 8, drafts: 30 }
     }
 }
 
@@ -55,6 +67,10 @@ pub struct PairCounts {
     pub rows_out: usize,
     /// Rows put in.
     pub rows_in: usize,
+    /// Vertices added on open boundaries, so that all faces could be quads.
+    pub on_boundaries: usize,
+    /// Vertices added on other features, for the same.
+    pub on_features: usize,
     /// Triangles before.
     pub triangles_before: usize,
     /// Triangles after.
@@ -78,6 +94,9 @@ pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u
     let mut work = Work::new(surface, mesh, anchors, below, options);
     let mut counts = PairCounts { triangles_before: work.triangles().len(), ..PairCounts::default() };
     work.run(&mut counts);
+    if options.quads == Quads::All {
+        [counts.on_boundaries, counts.on_features] = work.pair_all();
+    }
     counts.triangles_after = work.triangles().len();
     let Work { scene, below, .. } = work;
     let (mesh, kept) = scene.editor.finish();
@@ -96,7 +115,7 @@ enum Kind {
 
 struct Work<'a> {
     surface: &'a Surface,
-    scene: Scene<'a>,
+    scene: Scene,
     below: Vec<Option<u32>>,
     options: &'a PairOptions,
 }
@@ -120,7 +139,7 @@ impl<'a> Work<'a> {
     fn new(
         surface: &'a Surface,
         mesh: &Mesh,
-        anchors: &'a Anchors,
+        anchors: &Anchors,
         below: &[Option<u32>],
         options: &'a PairOptions,
     ) -> Self {
@@ -129,7 +148,7 @@ impl<'a> Work<'a> {
             normals: anchors.normals.iter().map(|n| Vec3::from(*n).as_dvec3()).collect(),
             ideal: vec![4; mesh.points.len()],
             fixed: below.iter().map(Option::is_none).collect(),
-            features: &anchors.feature_edges,
+            features: anchors.feature_edges.iter().copied().collect(),
         };
         for v in (0..).zip(&scene.fixed).filter(|(_, fixed)| **fixed).map(|(v, _)| v).collect::<Vec<u32>>() {
             scene.ideal[v as usize] = ideal_valence(&scene, v);
@@ -145,9 +164,7 @@ impl<'a> Work<'a> {
     fn run(&mut self, counts: &mut PairCounts) {
         let mut waiting = self.triangles();
         for _ in 0..ROUNDS {
-            let now = std::time::Instant::now(); let nw = waiting.len();
             let mut found: Vec<Found> = waiting.par_iter().filter_map(|t| self.best(*t)).collect();
-            eprintln!("waiting {nw} {} {:?} changed", found.len(), now.elapsed());
             found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
             let mut changed: FxHashSet<u32> = FxHashSet::default();
             let known = self.scene.editor.face_count() as u32;
@@ -171,7 +188,6 @@ impl<'a> Work<'a> {
                     Kind::RowIn => counts.rows_in += 1,
                 }
             }
-            eprintln!("applied {}", counts.met + counts.rows_in + counts.rows_out);
             if changed.is_empty() {
                 break;
             }
@@ -248,7 +264,7 @@ impl<'a> Work<'a> {
             self.scene.editor.add_vertex(self.scene.editor.point(source));
             self.scene.normals.push(self.scene.normals[source as usize]);
             self.scene.ideal.push(4);
-            self.scene.fixed.push(false);
+            self.scene.fixed.push(self.scene.fixed[source as usize]);
             self.below.push(self.below[source as usize]);
         }
         for (face, corners) in &change.faces {
@@ -299,7 +315,7 @@ impl Change {
     }
 
     /// The draft again, on a mesh that may have grown.
-    fn onto<'a>(&self, scene: &'a Scene<'a>) -> Draft<'a> {
+    fn onto<'a>(&self, scene: &'a Scene) -> Draft<'a> {
         let mut draft = Draft::new(scene);
         let [faces, vertices] = self.known;
         let more = [scene.editor.face_count() as u32 - faces, scene.editor.vertex_count() as u32 - vertices];
