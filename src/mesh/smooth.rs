@@ -21,10 +21,14 @@ use rayon::prelude::*;
 
 /// The share of the way to its place that a vertex moves at a time; less where that is too far.
 const STRIDES: [f32; 2] = [0.9, 0.4];
+/// How much louder a face below the floor draws.
+const BAD: f64 = 3.0;
 /// A vertex nearer to its place than this share of an edge stays.
 const SETTLED: f64 = 1e-3;
 /// Shapes above this may fall to it for the good of others.
 const FLOOR: f64 = 0.5;
+/// Where the worst shape at a vertex is below the floor, it need rise by so much only, whatever the sum does.
+const RISE: f64 = 1e-3;
 /// The say of a triangle, in quads.
 const TRIANGLE: f64 = 0.5;
 
@@ -82,7 +86,8 @@ fn better(
     for &f in faces {
         let face = mesh.face(f as usize);
         let place = face.iter().position(|&w| w == v)?;
-        let share = if face.len() == 3 { TRIANGLE } else { 1.0 };
+        let (share, shape) = shape(mesh, f);
+        let share = share * (if shape < floor { BAD } else { 1.0 });
         way += (ideal(mesh, face, place) - at) * share;
         weight += share;
     }
@@ -102,7 +107,8 @@ fn better(
         let barrier = |h| surface.features().is_feature(h);
         let foot = walk(surface, barrier, triangle, at.as_vec3(), way.as_vec3() * stride, WALK_EDGES);
         let (new_least, new_sum) = judge(Some(foot.position.as_dvec3()));
-        (new_least >= least.min(floor) && new_sum > sum).then_some((foot.triangle, foot.position))
+        let worst_rises = least < floor && new_least > least + RISE;
+        (new_least >= least.min(floor) && (worst_rises || new_sum > sum)).then_some((foot.triangle, foot.position))
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::draft::Draft;
 use super::settle::{Settled, settle};
-use super::step::{meet, steps};
+use super::step::{Step, meet, steps};
 use super::{Change, Work};
 use crate::surface::nearest::nearest_on_segment;
 use glam::DVec3;
@@ -16,6 +16,10 @@ const CROSSING: u32 = 40;
 const LEAVING: u32 = 1_000_000;
 /// Passes over the triangles: one whose way was barred may find it open.
 const PASSES: usize = 3;
+/// No quad becomes worse than this shape.
+const LEAST: f64 = 0.1;
+/// Steps that a triangle may take beside twice the length of its way.
+const DETOUR: usize = 20;
 /// Outside the mesh.
 const OUTSIDE: u32 = u32::MAX;
 
@@ -28,19 +32,37 @@ impl Work<'_> {
         let mut added = [0; 2];
         for _ in 0..PASSES {
             for triangle in self.triangles() {
-                let mut at = Some(triangle).filter(|t| self.scene.editor.face(*t).len() == 3);
-                // A way round the whole mesh is no way.
-                for _ in 0..self.scene.editor.face_count() {
-                    at = at.and_then(|triangle| self.walk_on(triangle, &mut added));
-                }
+                self.walk_off(triangle, &mut added);
             }
         }
         added
     }
 
-    /// One step of a triangle towards another; `None` where it is no more or can go no further.
-    fn walk_on(&mut self, triangle: u32, added: &mut [usize; 2]) -> Option<u32> {
-        let way = self.way(triangle)?;
+    /// Walks a triangle until it is no more, or can go no further.
+    fn walk_off(&mut self, mut triangle: u32, added: &mut [usize; 2]) {
+        // Faces that the triangle could not step to.
+        let mut barred: FxHashSet<u32> = FxHashSet::default();
+        let mut left = None;
+        while self.scene.editor.face(triangle).len() == 3 {
+            let Some(way) = self.way(triangle, &barred) else { return };
+            // A detour about what is barred is fine, wandering is not.
+            let left = left.get_or_insert(2 * way.len() + DETOUR);
+            if *left == 0 {
+                return;
+            }
+            *left -= 1;
+            match self.walk_on(triangle, &way, added) {
+                Some(Some(after)) => triangle = after,
+                Some(None) => return,
+                None => {
+                    barred.insert(way[0].1);
+                }
+            }
+        }
+    }
+
+    /// One step of a triangle along a way; `None` where it cannot be made, and where it is no more, no triangle.
+    fn walk_on(&mut self, triangle: u32, way: &[Passage], added: &mut [usize; 2]) -> Option<Option<u32>> {
         let ([x, y], next) = way[0];
         if next == OUTSIDE || self.scene.is_feature(x, y) {
             let place = self.on_feature(x, y);
@@ -53,26 +75,27 @@ impl Work<'_> {
             self.scene.features.remove(&[x.min(y), x.max(y)]);
             self.scene.features.extend([x, y].map(|end| [end, middle]));
             added[usize::from(next != OUTSIDE)] += 1;
-            return after;
+            return Some(after);
         }
         let draft = Draft::new(&self.scene);
         let corners = draft.face(triangle);
         let side = (0..3).find(|&k| corners[k] == x)?;
-        let drafts = match way.get(1) {
-            None => vec![(meet(&draft, triangle, side, next).1, None)],
-            Some((onward, _)) => steps(&draft, triangle, side, next)
-                .filter(|step| onward.iter().all(|v| step.key().contains(v)))
-                .map(|step| step.take(&draft))
-                .map(|(draft, triangle)| (draft, Some(triangle)))
-                .collect(),
+        let Some((onward, _)) = way.get(1) else {
+            let (change, settled, _) = self.best_of(vec![(meet(&draft, triangle, side, next).1, None)])?;
+            self.apply(&change, &settled.places);
+            return Some(None);
         };
-        let (change, settled, after) = self.best_of(drafts)?;
+        // Cuts that leave the triangle beside the next face of the way, or else any.
+        let (onward, other): (Vec<Step>, Vec<Step>) =
+            steps(&draft, triangle, side, next).partition(|step| onward.iter().all(|v| step.key().contains(v)));
+        let taken = |steps: Vec<Step>| steps.iter().map(|step| step.take(&draft)).map(|(d, t)| (d, Some(t))).collect();
+        let (change, settled, after) = self.best_of(taken(onward)).or_else(|| self.best_of(taken(other)))?;
         self.apply(&change, &settled.places);
-        after
+        Some(after)
     }
 
-    /// The cheapest way from a triangle to another, or out, by Dijkstra's algorithm.
-    fn way(&self, triangle: u32) -> Option<Vec<Passage>> {
+    /// The cheapest way from a triangle to another, or out, through no barred face: Dijkstra's algorithm.
+    fn way(&self, triangle: u32, barred: &FxHashSet<u32>) -> Option<Vec<Passage>> {
         let draft = Draft::new(&self.scene);
         let mut from: FxHashMap<u32, (u32, [u32; 2])> = FxHashMap::default();
         let mut done: FxHashSet<u32> = FxHashSet::default();
@@ -102,7 +125,7 @@ impl Work<'_> {
                     Some(_) if self.scene.is_feature(side[0], side[1]) => CROSSING,
                     Some(_) => 1,
                 };
-                if next.is_none_or(|next| draft.face(next).len() <= 4) {
+                if !barred.contains(&next.unwrap_or(OUTSIDE)) && next.is_none_or(|next| draft.face(next).len() <= 4) {
                     heap.push(Reverse((cost + price, next.unwrap_or(OUTSIDE), face, side)));
                 }
             }
@@ -116,7 +139,7 @@ impl Work<'_> {
             .into_iter()
             .filter(|(draft, _)| draft.is_sound())
             .filter_map(|(draft, after)| {
-                let settled = settle(&draft, self.options.triangle_price, 0.0)?;
+                let settled = settle(&draft, self.options.triangle_price, LEAST)?;
                 Some((Change::of(&draft), settled, after))
             })
             .reduce(|best, other| if other.1.gain > best.1.gain { other } else { best })

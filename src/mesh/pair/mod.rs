@@ -95,6 +95,8 @@ pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u
     let mut counts = PairCounts { triangles_before: work.triangles().len(), ..PairCounts::default() };
     work.run(&mut counts);
     if options.quads == Quads::All {
+        work.options = PairOptions { triangle_price: DEAR, longest_row: 3 * options.longest_row, drafts: 10 * options.drafts, ..*options };
+        work.run(&mut counts);
         [counts.on_boundaries, counts.on_features] = work.pair_all();
     }
     counts.triangles_after = work.triangles().len();
@@ -117,7 +119,7 @@ struct Work<'a> {
     surface: &'a Surface,
     scene: Scene,
     below: Vec<Option<u32>>,
-    options: &'a PairOptions,
+    options: PairOptions,
 }
 
 /// Rounds at most; each leaves those for the next whose surroundings another has changed.
@@ -132,6 +134,8 @@ const HOPE: f64 = 2.5;
 const CHEAP: f64 = 0.35;
 /// Drafts that cost more are not followed.
 const MOST: f64 = 2.6;
+/// The price of a triangle where all are to go.
+const DEAR: f64 = 3.0;
 /// Drafts that gain less are not made.
 const LEAST_GAIN: f64 = 1e-3;
 
@@ -141,7 +145,7 @@ impl<'a> Work<'a> {
         mesh: &Mesh,
         anchors: &Anchors,
         below: &[Option<u32>],
-        options: &'a PairOptions,
+        options: &PairOptions,
     ) -> Self {
         let mut scene = Scene {
             editor: Editor::new(mesh),
@@ -153,7 +157,7 @@ impl<'a> Work<'a> {
         for v in (0..).zip(&scene.fixed).filter(|(_, fixed)| **fixed).map(|(v, _)| v).collect::<Vec<u32>>() {
             scene.ideal[v as usize] = ideal_valence(&scene, v);
         }
-        Self { surface, scene, below: below.to_vec(), options }
+        Self { surface, scene, below: below.to_vec(), options: *options }
     }
 
     fn triangles(&self) -> Vec<u32> {

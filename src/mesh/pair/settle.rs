@@ -121,9 +121,10 @@ pub(super) fn settle(draft: &Draft, price: f64, least: f64) -> Option<Settled> {
     for face in &corners {
         let places: Vec<DVec3> = face.iter().map(|v| points[*v]).collect();
         gain -= loss(&places, price);
-        let up: DVec3 = face.iter().map(|v| normals[*v]).sum();
+        // On features normals are rough.
+        let up: DVec3 = face.iter().filter(|v| free[**v]).map(|v| normals[*v]).sum();
         let area = (2..places.len()).map(|k| (places[k - 1] - places[0]).cross(places[k] - places[0])).sum::<DVec3>();
-        if places.len() == 4 && shape(&places) <= least || area.dot(up) <= 0.0 {
+        if places.len() == 4 && shape(&places) <= least || area.dot(up) < 0.0 {
             return None;
         }
     }
