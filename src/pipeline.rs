@@ -12,11 +12,12 @@ use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::join::{Joined, join};
 use crate::mesh::regions::with_regions;
-use crate::mesh::smooth::smooth;
+use crate::mesh::pair::{PairCounts, PairOptions, Paired, pair};
+use crate::mesh::smooth::{Smoothed, smooth};
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Mesh, Triangulation};
 use crate::mosaic::{self, Effort, Layer, Mosaic};
-use crate::surface::{FeatureOptions, NamedEdge, Soup, Surface, SurfaceError};
+use crate::surface::{FeatureOptions, NONE, NamedEdge, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -46,6 +47,8 @@ pub struct Options {
     pub holes: Holes,
     /// The clean-up; `None`: the mesh stays as the filling leaves it.
     pub cleanup: Option<CleanOptions>,
+    /// The pairing of triangles that the clean-up leaves; `None`: they stay.
+    pub pairing: Option<PairOptions>,
     /// Passes of smoothing after the clean-up. Default 6; 0: vertices stay where the tiles were.
     pub smoothing: usize,
 }
@@ -61,6 +64,7 @@ impl Options {
             connect: ConnectOptions::default(),
             holes: Holes::default(),
             cleanup: Some(CleanOptions::default()),
+            pairing: Some(PairOptions::default()),
             smoothing: 6,
         }
     }
@@ -81,6 +85,8 @@ pub enum Stage {
     Fill,
     /// Topological clean-up.
     Clean,
+    /// Pairing of the triangles that are left.
+    Pair,
     /// Smoothing.
     Smooth,
 }
@@ -95,6 +101,7 @@ impl Stage {
             Self::Connect => "connect",
             Self::Fill => "fill",
             Self::Clean => "clean",
+            Self::Pair => "pair",
             Self::Smooth => "smooth",
         }
     }
@@ -135,9 +142,14 @@ pub struct Outcome {
     pub holes: usize,
     /// What the clean-up did.
     pub cleaned: Option<CleanCounts>,
+    /// What the pairing of triangles did.
+    pub paired: Option<PairCounts>,
     /// How long each stage took.
     pub times: Vec<(Stage, Duration)>,
 }
+
+/// Passes of smoothing before the pairing.
+const CALMING: usize = 2;
 
 /// Fewest and most vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
@@ -180,25 +192,32 @@ pub fn run(
         None => (filled.clone(), None),
     };
 
-    let kept = counts.as_ref().map(|counts| counts.kept.as_slice());
-    let below = triangulation.free_triangles(kept);
-    let chosen: Vec<u32> = kept.map_or_else(|| (0..cleaned.points.len() as u32).collect(), <[u32]>::to_vec);
-    let anchors = anchors.of(&chosen);
-    let crate::mesh::smooth::Smoothed { mesh: cleaned, below } = smooth(&surface, &cleaned, &below, 2);
-    let paired = crate::mesh::pair::pair(&surface, &cleaned, &anchors, &below, &crate::mesh::pair::PairOptions { quads: if std::env::var("ALL").is_ok() { crate::mesh::pair::Quads::All } else { Default::default() }, ..Default::default() });
-    eprintln!("{:?}", paired.counts);
+    let kept: Vec<u32> =
+        counts.as_ref().map_or_else(|| (0..filled.points.len() as u32).collect(), |counts| counts.kept.clone());
+    let below = triangulation.free_triangles(&kept);
+
+    clock.begin(Stage::Pair);
+    let (paired, below, kept, pairs) = match &options.pairing {
+        Some(pairing) => {
+            // Drafts are judged by what smoothing makes of them, so what they are compared with is smoothed too.
+            let calm = smooth(&surface, &cleaned, &below, options.smoothing.min(CALMING));
+            let Paired { mesh, kept: of_cleaned, below, counts } =
+                pair(&surface, &calm.mesh, &anchors.of(&kept), &calm.below, pairing);
+            let kept = of_cleaned.iter().map(|&v| kept.get(v as usize).copied().unwrap_or(NONE)).collect();
+            (mesh, below, kept, Some(counts))
+        }
+        None => (cleaned, below, kept, None),
+    };
 
     clock.begin(Stage::Smooth);
-    let smoothed = smooth(&surface, &paired.mesh, &paired.below, options.smoothing).mesh;
-    let kept: Vec<u32> = paired.kept.iter().map(|&v| if v == u32::MAX { v } else { chosen[v as usize] }).collect();
-    let kept = Some(kept.as_slice());
-    let before = join(&filled, &triangulation.joints(None)).mesh;
-    let named = with_regions(&smoothed, &surface, &mosaic, &triangulation, kept);
-    let Joined { mesh, branches } = join(&named, &triangulation.joints(kept));
+    let Smoothed { mesh: smoothed, below } = smooth(&surface, &paired, &below, options.smoothing);
+    let before = join(&filled, &triangulation.same_place).mesh;
+    let named = with_regions(&smoothed, &surface, &mosaic, &below, &kept);
+    let Joined { mesh, branches } = join(&named, &triangulation.joints(&kept));
 
     let times = clock.finish();
     let [before, mesh] = [before, mesh].map(|mesh| mesh.placed(surface.frame()));
-    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned: counts, times })
+    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned: counts, paired: pairs, times })
 }
 
 /// The surface, with the features that tiles so fine can show, and how many vertices are wanted.

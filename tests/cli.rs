@@ -111,7 +111,7 @@ fn a_sphere_from_end_to_end() {
 
     let stages: Vec<_> = report["times"].as_array().expect("a list").iter().map(|time| &time["stage"]).collect();
     let expected =
-        ["read", "device", "surface", "field", "mosaic", "connect", "fill", "clean", "smooth", "measure", "write"];
+        ["read", "device", "surface", "field", "mosaic", "connect", "fill", "clean", "pair", "smooth", "measure", "write"];
     assert_eq!(stages, expected);
 
     for part in [

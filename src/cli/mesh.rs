@@ -12,6 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::export::write_obj;
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::fill;
+use quadmosaic::mesh::pair::{self, PairOptions};
 use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
 use quadmosaic::surface::{Repairs, shown};
@@ -52,8 +53,11 @@ pub struct Arguments {
     /// What becomes of faces with more than four sides
     #[arg(long, value_enum, default_value_t, help_heading = "Connection")]
     holes: Holes,
+    /// Which triangles become quads
+    #[arg(long, value_enum, default_value_t, help_heading = "Connection")]
+    quads: Quads,
     /// Leave the mesh as the filling of holes makes it, with its triangles
-    #[arg(long, help_heading = "Connection")]
+    #[arg(long, conflicts_with = "quads", help_heading = "Connection")]
     no_cleanup: bool,
     /// Passes of smoothing at the end, 0 to 1000
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
@@ -86,6 +90,17 @@ enum Holes {
     Triangles,
     /// Left as polygons
     Leave,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Quads {
+    /// Those that the paper's clean-up finds
+    Paper,
+    /// As many as shape allows: triangles walk until they meet, short rows come and go
+    #[default]
+    Most,
+    /// All, at some cost of shape
+    All,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -187,6 +202,12 @@ impl Arguments {
                 Holes::Leave => fill::Holes::Leave,
             },
             cleanup: defaults.cleanup.filter(|_| !self.no_cleanup),
+            pairing: match self.quads {
+                _ if self.no_cleanup => None,
+                Quads::Paper => None,
+                Quads::Most => defaults.pairing,
+                Quads::All => Some(PairOptions { quads: pair::Quads::All, ..PairOptions::default() }),
+            },
             smoothing: self.smoothing,
             ..defaults
         })

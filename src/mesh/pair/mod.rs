@@ -59,7 +59,7 @@ impl Default for PairOptions {
 }
 
 /// What [`pair`] did.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PairCounts {
     /// Pairs of triangles that walked until they met.
     pub met: usize,
