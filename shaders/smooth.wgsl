@@ -17,6 +17,7 @@ struct Row {
 }
 
 struct Link {
+    // The unknown, and MIRRORED where its value is taken conjugate.
     neighbour: u32,
     weight_x: f32,
     weight_y: f32,
@@ -33,6 +34,7 @@ struct Link {
 // The same numbers stand in src/field/smooth.rs.
 const HEARD: f32 = 0.45;
 const LEAST_LENGTH: f32 = 1e-18;
+const MIRRORED: u32 = 0x80000000u;
 
 // What is left of `asked` once a row of the values has got its part; nothing on a fixed one.
 fn left_of(asked: vec2<f32>, id: u32) -> vec2<f32> {
@@ -44,7 +46,8 @@ fn left_of(asked: vec2<f32>, id: u32) -> vec2<f32> {
     let end = rows[id + 1u].start;
     for (var e = rows[id].start; e < end; e++) {
         let link = links[e];
-        let z = values[link.neighbour];
+        var z = values[link.neighbour & ~MIRRORED];
+        z.y = select(z.y, -z.y, (link.neighbour & MIRRORED) != 0u);
         sum.x = sum.x + link.weight_x * z.x - link.weight_y * z.y;
         sum.y = sum.y + link.weight_x * z.y + link.weight_y * z.x;
     }

@@ -15,7 +15,10 @@ struct Row {
     anchor: f32,
 }
 
+const MIRRORED: u32 = 0x80000000u;
+
 struct Parent {
+    // The coarse unknown, and MIRRORED where its value is taken conjugate.
     index: u32,
     turn_x: f32,
     turn_y: f32,
@@ -32,7 +35,8 @@ struct Parent {
 
 fn carried(z: vec2<f32>, id: u32) -> vec2<f32> {
     let parent = parents[id];
-    let c = values[parent.index];
+    var c = values[parent.index & ~MIRRORED];
+    c.y = select(c.y, -c.y, (parent.index & MIRRORED) != 0u);
     return vec2<f32>(
         z.x + parent.turn_x * c.x - parent.turn_y * c.y,
         z.y + parent.turn_x * c.y + parent.turn_y * c.x,
@@ -81,8 +85,9 @@ fn gather(
     for (var m = families[id]; m < end; m++) {
         let member = members[m];
         let parent = parents[member];
-        let z = values[member];
+        var z = values[member];
         sum.x = sum.x + parent.turn_x * z.x + parent.turn_y * z.y;
+        z = select(z, -z, (parent.index & MIRRORED) != 0u);
         sum.y = sum.y + parent.turn_x * z.y - parent.turn_y * z.x;
     }
     made[id] = sum;

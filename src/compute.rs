@@ -24,11 +24,12 @@ pub trait Backend: Send + Sync {
     /// What it runs on: the adapter's name, or the number of threads.
     fn adapter(&self) -> String;
 
-    /// Smooths a field from the coarsest level to the finest.
+    /// Smooths the values of a hierarchy's unknowns, the field's or the phases', from the level that it sets out from to the
+    /// finest.
     ///
     /// # Errors
     /// Where the device fails or a buffer is too large for it.
-    fn smooth_field(&self, hierarchy: &Hierarchy) -> Result<Vec<Complex>, ComputeError>;
+    fn smooth(&self, hierarchy: &Hierarchy) -> Result<Vec<Complex>, ComputeError>;
 
     /// Makes ready to relax tiles on a surface: what stays the same over all batches is laid out, or uploaded, once.
     ///
@@ -64,7 +65,7 @@ impl Backend for Cpu {
         format!("{} threads", rayon::current_num_threads())
     }
 
-    fn smooth_field(&self, hierarchy: &Hierarchy) -> Result<Vec<Complex>, ComputeError> {
+    fn smooth(&self, hierarchy: &Hierarchy) -> Result<Vec<Complex>, ComputeError> {
         Ok(smooth::smooth(hierarchy))
     }
 

@@ -229,7 +229,10 @@ pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, usize), Pipel
     let surface = Surface::new(soup, features)?.with_edges(soup, &options.edges, features)?;
     let count = count(&surface, options.fineness)?;
     let side = mosaic::side_for_count(&surface, count);
-    Ok((surface.fitted(features, side), count))
+    let surface = surface.fitted(features, side);
+    let longest = mosaic::longest_edge(&surface, count);
+    let surface = surface.divided(longest, features);
+    Ok((surface, count))
 }
 
 /// The field that `count` tiles would be laid along: curvature is seen at their scale.
@@ -250,7 +253,7 @@ fn lay(
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
     let ground = backend.ground(surface, field)?;
-    Layer { surface, field, ground: &*ground, effort: Effort::default(), progress }.with_count(count)
+    Layer { surface, field, backend, ground: &*ground, effort: Effort::default(), progress }.with_count(count)
 }
 
 /// How many vertices that makes.

@@ -21,8 +21,14 @@ fn tiled(name: &str) -> (Surface, Mosaic, Triangulation) {
     let surface = surface(&example(name, 4_000));
     let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
     let ground = Cpu.ground(&surface, &field).expect("the CPU does not fail");
-    let layer =
-        Layer { surface: &surface, field: &field, ground: &*ground, effort: Effort::default(), progress: &|_| {} };
+    let layer = Layer {
+        surface: &surface,
+        field: &field,
+        backend: &Cpu,
+        ground: &*ground,
+        effort: Effort::default(),
+        progress: &|_| {},
+    };
     let mosaic = layer.with_count(COUNT).expect("the CPU does not fail");
     let triangulation = triangulate(&surface, &field, &mosaic);
     drop(ground);

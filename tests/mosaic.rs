@@ -6,7 +6,7 @@ use common::surfaces::{EXAMPLES, example, surface, unit_corners};
 use glam::DVec3;
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::field::{Field, FieldOptions};
-use quadmosaic::mosaic::{Effort, Layer, Mosaic, Seat, Tile, seat, side_for_count, sow};
+use quadmosaic::mosaic::{Effort, Layer, Mosaic, Rulers, Seat, Tile, seat, side_for_count, sow};
 use quadmosaic::surface::{Soup, Surface};
 use std::collections::HashSet;
 
@@ -14,7 +14,7 @@ const COUNT: usize = 2_000;
 
 fn laid(surface: &Surface, field: &Field, count: usize) -> Mosaic {
     let ground = Cpu.ground(surface, field).expect("the CPU does not fail");
-    let layer = Layer { surface, field, ground: &*ground, effort: Effort::default(), progress: &|_| {} };
+    let layer = Layer { surface, field, backend: &Cpu, ground: &*ground, effort: Effort::default(), progress: &|_| {} };
     layer.with_count(count).expect("the CPU does not fail")
 }
 
@@ -159,7 +159,7 @@ fn sites_sit_on_features() {
         let surface = surface(&soup);
         let field = field(&surface);
         let h = side_for_count(&surface, COUNT);
-        let (sites, tiles) = seat::seat(&surface, &field, h);
+        let (sites, tiles) = seat::seat(&surface, &field, h, &Rulers::default());
         let features = surface.features();
         let on_curves: HashSet<u32> = features.curves().iter().flat_map(|c| c.vertices.iter().copied()).collect();
         let corner = |h: u32| unit_corners(&soup, surface.frame(), h as usize / 3)[h as usize % 3];
@@ -198,11 +198,11 @@ fn sites_sit_on_features() {
         let slack = 0.5 * features.curves().len() as f64 + corners as f64;
         let miss = sites.len() as f64 - length / f64::from(h);
         assert!(miss.abs() <= slack, "{name}: {} sites on {} sides", sites.len(), length / f64::from(h));
-        let wider = seat::seat(&surface, &field, 2.0 * h).0.len();
+        let wider = seat::seat(&surface, &field, 2.0 * h, &Rulers::default()).0.len();
         assert!((wider as f64 - length / f64::from(h)).abs() > slack, "{name}: half as many would be seen");
     }
     let sphere = surface(&example("sphere", 1_000));
-    assert_eq!(seat::seat(&sphere, &field(&sphere), 0.1).0.len(), 0);
+    assert_eq!(seat::seat(&sphere, &field(&sphere), 0.1, &Rulers::default()).0.len(), 0);
 }
 
 #[test]

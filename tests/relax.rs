@@ -5,7 +5,7 @@ mod common;
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::gpu::{Gpu, GpuBackend};
-use quadmosaic::mosaic::{Relaxation, Tile, seat, side_for_count, sow};
+use quadmosaic::mosaic::{Relaxation, Rulers, Tile, seat, side_for_count, sow};
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Surface};
 
@@ -18,7 +18,7 @@ fn example(name: &str) -> (Surface, Field) {
 
 /// Tiles on features and scattered ones.
 fn tiles(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
-    let mut tiles = seat::seat(surface, field, h).1;
+    let mut tiles = seat::seat(surface, field, h, &Rulers::default()).1;
     tiles.extend(sow::sow(surface, field, h));
     tiles
 }

@@ -40,7 +40,7 @@ pub fn field(surface: &Surface) -> Field {
 
 pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {
     let ground = Cpu.ground(surface, field).expect("the CPU does not fail");
-    let layer = Layer { surface, field, ground: &*ground, effort: Effort::default(), progress: &|_| {} };
+    let layer = Layer { surface, field, backend: &Cpu, ground: &*ground, effort: Effort::default(), progress: &|_| {} };
     layer.with_count(POINTS).expect("the CPU does not fail")
 }
 

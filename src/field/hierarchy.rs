@@ -12,6 +12,7 @@
 //! second order*), pulls and masses are not.
 
 use super::outset::{OUTSET, outset};
+use super::smooth::Pace;
 use super::{Complex, Sectors, guides::Pull};
 use crate::surface::{NONE, Surface, next, next_corner, previous};
 use bytemuck::{Pod, Zeroable};
@@ -20,7 +21,7 @@ use rayon::prelude::*;
 /// Levels stop shrinking at this many unknowns.
 const COARSEST: usize = 32;
 /// Cotangent weights are kept above this share of their typical size, so that a sweep is a mean.
-const LEAST_WEIGHT: f64 = 0.02;
+pub(crate) const LEAST_WEIGHT: f64 = 0.02;
 /// An aggregate's members beside its first.
 const MEMBERS: usize = 3;
 /// What coarse links are multiplied by. Aggregates of four are two wide, and a half would be exact for the smoothest
@@ -33,14 +34,50 @@ const DIFFUSION: f64 = 10.0;
 /// Rows that one thread builds at a time.
 const BLOCK: usize = 2048;
 
+/// The bit of a link's unknown that says that its value is mirrored, taken conjugate, before it is multiplied.
+pub const MIRRORED: u32 = 1 << 31;
+
 /// Another unknown, and the complex number that its value is multiplied by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Link {
-    /// The unknown.
+    /// The unknown, and [`MIRRORED`].
     pub neighbour: u32,
     /// The factor.
     pub weight: Complex,
+}
+
+impl Link {
+    /// The unknown.
+    #[inline]
+    pub fn index(&self) -> usize {
+        (self.neighbour & !MIRRORED) as usize
+    }
+
+    /// Whether its value is mirrored before it is multiplied.
+    #[inline]
+    pub fn is_mirrored(&self) -> bool {
+        self.neighbour & MIRRORED != 0
+    }
+
+    /// What it makes of a value.
+    #[inline]
+    pub fn of(&self, [x, y]: Complex) -> Complex {
+        let y = if self.is_mirrored() { -y } else { y };
+        [self.weight[0] * x - self.weight[1] * y, self.weight[0] * y + self.weight[1] * x]
+    }
+
+    /// The link back to `to`, which this one leads from: its adjoint.
+    #[inline]
+    pub fn back(&self, to: u32) -> Self {
+        let weight = if self.is_mirrored() { self.weight } else { conjugate(self.weight) };
+        Self { neighbour: to ^ self.neighbour & MIRRORED, weight }
+    }
+
+    /// First `inner`, then this one: a link to the unknown of `inner`.
+    fn after(&self, inner: &Self) -> Self {
+        Self { neighbour: inner.neighbour ^ self.neighbour & MIRRORED, weight: self.of(inner.weight) }
+    }
 }
 
 /// One unknown's equation: `diagonal z - sum weight z_neighbour` is what pulls it.
@@ -104,20 +141,22 @@ pub struct Hierarchy {
     pub start: usize,
     /// The crosses of that level.
     pub crosses: Vec<Complex>,
+    /// How much is done on the way to the finest.
+    pub pace: Pace,
 }
 
 /// What a row's diagonal is made of beside its links' moduli.
 #[derive(Clone, Copy, Debug, Default)]
-struct Excess {
+pub(crate) struct Excess {
     /// By how much the links among its members disagree: the curvature that an aggregate covers.
-    curvature: f32,
+    pub curvature: f32,
     /// The weight of its pulls.
-    pull: f32,
+    pub pull: f32,
     /// The weight of its anchor.
-    anchor: f32,
-    fixed: bool,
+    pub anchor: f32,
+    pub fixed: bool,
     /// The cross along the surface's bending, times the square of the difference of principal curvatures, times area.
-    bend: Complex,
+    pub bend: Complex,
 }
 
 impl Hierarchy {
@@ -141,19 +180,19 @@ impl Hierarchy {
             excess = coarser.1;
         }
         let crosses = rayon::scope(|_| outset(&mut levels, start, &bends.unwrap_or_default()));
-        Self { levels, start, crosses }
+        Self { levels, start, crosses, pace: Pace::FIELD }
     }
 }
 
 /// What is known of each row, where its links start and, after the last, end, and all links.
-struct Gathered<T> {
-    rows: Vec<T>,
-    starts: Vec<u32>,
-    links: Vec<Link>,
+pub(crate) struct Gathered<T> {
+    pub rows: Vec<T>,
+    pub starts: Vec<u32>,
+    pub links: Vec<Link>,
 }
 
 /// The rows that `row` makes for each number, in order; it pushes a row's links and returns what else is known of it.
-fn gather<T: Send>(count: usize, row: impl Fn(usize, &mut Vec<Link>) -> T + Sync) -> Gathered<T> {
+pub(crate) fn gather<T: Send>(count: usize, row: impl Fn(usize, &mut Vec<Link>) -> T + Sync) -> Gathered<T> {
     let block = |first: usize| {
         let mut made = Gathered { rows: Vec::with_capacity(BLOCK), starts: Vec::new(), links: Vec::new() };
         for i in first..count.min(first + BLOCK) {
@@ -238,8 +277,20 @@ fn finest(surface: &Surface, sectors: &Sectors, pulls: &[Pull]) -> (Level, Vec<E
     (Level::new(&excess, &starts, links, pulls), excess)
 }
 
+/// A level and all coarser ones, finest first.
+pub(crate) fn coarsen(mut level: Level, mut excess: Vec<Excess>) -> Vec<Level> {
+    let mut levels = Vec::new();
+    while level.len() > COARSEST && level.aggregate() {
+        let coarser = level.coarsened(&excess);
+        levels.push(std::mem::replace(&mut level, coarser.0));
+        excess = coarser.1;
+    }
+    levels.push(level);
+    levels
+}
+
 impl Level {
-    fn new(excess: &[Excess], starts: &[u32], links: Vec<Link>, pulls: Vec<Complex>) -> Self {
+    pub(crate) fn new(excess: &[Excess], starts: &[u32], links: Vec<Link>, pulls: Vec<Complex>) -> Self {
         let rows = (0..=excess.len())
             .into_par_iter()
             .map(|i| {
@@ -301,7 +352,7 @@ impl Level {
             let own = self.rows[i].start as usize..self.rows[i + 1].start as usize;
             for e in own {
                 let link = self.links[e];
-                let j = link.neighbour as usize;
+                let j = link.index();
                 if self.parents[j].neighbour == NONE && self.is_fixed(j) == self.is_fixed(i) {
                     let mut here = (modulus_squared(link.weight), e);
                     for place in &mut strongest {
@@ -313,12 +364,13 @@ impl Level {
             }
             for (squared, e) in strongest.into_iter().filter(|strong| strong.1 != usize::MAX) {
                 let link = self.links[e];
-                let parent = &mut self.parents[link.neighbour as usize];
+                let parent = &mut self.parents[link.index()];
                 if parent.neighbour == NONE {
                     let modulus = squared.sqrt();
                     // The link reads j in i's frame; the turn reads i's value in j's.
-                    *parent = Link { neighbour: family, weight: [link.weight[0] / modulus, -link.weight[1] / modulus] };
-                    self.members.push(link.neighbour);
+                    let back = link.back(family);
+                    *parent = Link { weight: back.weight.map(|x| x / modulus), ..back };
+                    self.members.push(link.index() as u32);
                 }
             }
         }
@@ -339,13 +391,14 @@ impl Level {
             let mut moduli = 0.0;
             for &i in self.members_of(a) {
                 let i = i as usize;
-                let back = conjugate(self.parents[i].weight);
+                let back = self.parents[i].back(0);
                 for link in self.links_of(i) {
-                    let parent = self.parents[link.neighbour as usize];
-                    let weight = multiply(multiply(back, link.weight), parent.weight);
-                    let weight = weight.map(|x| x * STIFFNESS);
-                    if parent.neighbour == a as u32 {
-                        total.curvature += (modulus(weight) - weight[0]).max(0.0);
+                    let parent = back.after(link).after(&self.parents[link.index()]);
+                    let weight = parent.weight.map(|x| x * STIFFNESS);
+                    if parent.index() == a {
+                        // A mirrored value is as often against itself as with it.
+                        let along = if parent.is_mirrored() { 0.0 } else { weight[0] };
+                        total.curvature += (modulus(weight) - along).max(0.0);
                     } else {
                         moduli += modulus(weight);
                         match links[own..].iter_mut().find(|link| link.neighbour == parent.neighbour) {
@@ -354,12 +407,12 @@ impl Level {
                         }
                     }
                 }
-                pull = sum(pull, multiply(back, self.pulls[i]));
+                pull = sum(pull, back.of(self.pulls[i]));
                 total.curvature += excess[i].curvature * STIFFNESS;
                 total.pull += excess[i].pull;
                 total.anchor += excess[i].anchor;
                 total.fixed &= excess[i].fixed;
-                total.bend = sum(total.bend, multiply(back, excess[i].bend));
+                total.bend = sum(total.bend, back.of(excess[i].bend));
             }
             total.curvature += (moduli - links[own..].iter().map(|link| modulus(link.weight)).sum::<f32>()).max(0.0);
             if total.fixed {
@@ -390,172 +443,5 @@ fn conjugate(z: Complex) -> Complex {
     [z[0], -z[1]]
 }
 
-fn multiply(a: Complex, b: Complex) -> Complex {
-    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::field::guides;
-    use crate::field::smooth::{Steps, Work};
-    use crate::surface::FeatureOptions;
-    use crate::surface::examples::Example;
-
-    fn hierarchy_of(surface: &Surface) -> (Sectors, Hierarchy) {
-        let sectors = Sectors::new(surface);
-        let pulls = guides::pulls(surface, &sectors, &[]);
-        let hierarchy = Hierarchy::new(surface, &sectors, &pulls);
-        (sectors, hierarchy)
-    }
-
-    fn hierarchy(name: &str, triangles: usize) -> Hierarchy {
-        let soup = name.parse::<Example>().expect("an example's name").generate(triangles);
-        let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-        hierarchy_of(&surface).1
-    }
-
-    /// What is wrong with a level on its own.
-    fn faults(level: &Level) -> Vec<String> {
-        let mut faults = Vec::new();
-        let end = level.rows.last().map_or(0, |row| row.start as usize);
-        if level.rows.len() != level.len() + 1 || end != level.links.len() {
-            faults.push("rows do not cover the links".to_owned());
-        }
-        for i in 0..level.len() {
-            let links = level.links_of(i);
-            let moduli: f32 = links.iter().map(|link| modulus(link.weight)).sum();
-            let (diagonal, pull) = (level.rows[i].diagonal, modulus(level.pulls[i]));
-            if level.is_fixed(i) {
-                if (pull - 1.0).abs() > 1e-6 {
-                    faults.push(format!("unknown {i} is fixed to {pull}"));
-                }
-            } else if moduli + pull > diagonal * (1.0 + 1e-6) {
-                // A dozen roundings.
-                faults.push(format!("row {i} sums to {}, its diagonal is {diagonal}", moduli + pull));
-            }
-            for link in links {
-                let j = link.neighbour as usize;
-                let back = level.links_of(j).iter().filter(|back| back.neighbour == i as u32);
-                let off = |z: Complex| modulus(sum(conjugate(z), link.weight.map(|x| -x)));
-                // Both ends add up the same numbers in other orders.
-                if back.map(|back| off(back.weight)).fold(f32::INFINITY, f32::min)
-                    > 1e-5 * modulus(link.weight).max(1.0)
-                {
-                    faults.push(format!("the link from {i} to {j} is another one back"));
-                }
-            }
-        }
-        faults
-    }
-
-    #[test]
-    fn every_level_is_a_mean_and_smaller_than_the_one_before() {
-        for name in Example::NAMES {
-            let hierarchy = hierarchy(name, 4_000);
-            assert!(hierarchy.levels.len() > 2, "{name}");
-            for (depth, level) in hierarchy.levels.iter().enumerate() {
-                assert_eq!(faults(level), Vec::<String>::new(), "{name}, level {depth}");
-            }
-            for pair in hierarchy.levels.windows(2) {
-                let [fine, coarse] = pair else { unreachable!("windows of two") };
-                assert!(coarse.len() * 10 < fine.len() * 9, "{name}: {} after {}", coarse.len(), fine.len());
-                assert_eq!(fine.family_count(), coarse.len(), "{name}");
-                assert!(
-                    fine.parents.iter().all(|turn| (modulus(turn.weight) - 1.0).abs() < 1e-5),
-                    "{name}: turns only turn"
-                );
-                let mut seen = vec![false; fine.len()];
-                for family in 0..coarse.len() {
-                    assert!(!fine.members_of(family).is_empty(), "{name}: an unknown without members");
-                    for &member in fine.members_of(family) {
-                        assert_eq!(fine.parents[member as usize].neighbour, family as u32, "{name}");
-                        assert!(!std::mem::replace(&mut seen[member as usize], true), "{name}: a member twice");
-                        assert_eq!(fine.is_fixed(member as usize), coarse.is_fixed(family), "{name}: kinds are mixed");
-                    }
-                }
-                assert!(seen.iter().all(|&seen| seen), "{name}: an unknown without parent");
-            }
-            assert!(hierarchy.levels.last().is_some_and(|last| last.parents.is_empty() && last.family_count() == 0));
-        }
-    }
-
-    #[test]
-    fn a_heavy_row_a_short_fixed_cross_and_a_one_sided_link_are_seen() {
-        let mut level = hierarchy("block", 2_000).levels.swap_remove(0);
-        let free = (0..level.len()).find(|&i| !level.is_fixed(i)).expect("a free unknown");
-        let fixed = (0..level.len()).find(|&i| level.is_fixed(i)).expect("a fixed unknown");
-        level.rows[free].diagonal *= 0.9;
-        assert_eq!(faults(&level).len(), 1);
-        level.pulls[fixed] = level.pulls[fixed].map(|x| x * 0.9);
-        assert_eq!(faults(&level).len(), 2);
-        let link = level.rows[free].start as usize;
-        level.links[link].weight = conjugate(level.links[link].weight).map(|x| x * 1.01);
-        assert!(faults(&level).len() >= 4, "both ends complain");
-    }
-
-    #[test]
-    fn constraints_live_on_every_level() {
-        for level in &hierarchy("block", 4_000).levels {
-            let fixed = (0..level.len()).filter(|&i| level.is_fixed(i)).count();
-            assert!(fixed > 0 && fixed < level.len());
-        }
-        assert!(hierarchy("sphere", 4_000).levels.iter().all(|l| l.pulls.iter().all(|&p| p == [0.0, 0.0])));
-    }
-
-    #[test]
-    fn a_constant_field_on_a_rectangle_solves_every_level() {
-        // Flat, its sides along x and y: all links agree with the cross along x, and so must their sums.
-        let (columns, rows) = (48, 32);
-        let mut soup = crate::surface::Soup::default();
-        for j in 0..=rows {
-            soup.points.extend((0..=columns).map(|i| [f64::from(i), f64::from(j), 0.0]));
-        }
-        for j in 0..rows as u32 {
-            for i in 0..columns as u32 {
-                let a = j * (columns as u32 + 1) + i;
-                let [b, c, d] = [a + 1, a + columns as u32 + 2, a + columns as u32 + 1];
-                soup.triangles.extend([[a, b, c], [a, c, d]]);
-            }
-        }
-        let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-        let (sectors, hierarchy) = hierarchy_of(&surface);
-        assert!(hierarchy.levels.len() > 2);
-        let mut values: Vec<Complex> = sectors
-            .first_corner
-            .iter()
-            .map(|&corner| {
-                let way =
-                    surface.points[surface.target(corner) as usize] - surface.points[surface.origin(corner) as usize];
-                let (s, c) = (-4.0 * f64::from(way.y).atan2(f64::from(way.x))).sin_cos();
-                [c as f32, s as f32]
-            })
-            .collect();
-        let far = |a: &[Complex], b: &[Complex]| {
-            a.iter().zip(b).map(|(a, b)| modulus([a[0] - b[0], a[1] - b[1]])).fold(0.0, f32::max)
-        };
-        for (depth, level) in hierarchy.levels.iter().enumerate() {
-            let mut work = Work::new(&hierarchy.levels);
-            let mut swept = |values: &[Complex]| {
-                work.states[depth].crosses = values.to_vec();
-                let Ok(()) = work.flow(depth, 1.0);
-                work.states[depth].crosses.clone()
-            };
-            // Some twenty products of rounded unit numbers a level.
-            assert!(far(&swept(&values), &values) < 1e-5, "level {depth}: {}", far(&swept(&values), &values));
-            let mut other = values.clone();
-            let free = (0..level.len()).find(|&i| !level.is_fixed(i)).expect("a free unknown");
-            other[free] = other[free].map(|x| -x);
-            assert!(far(&swept(&other), &other) > 0.1, "level {depth}: a cross that is not the mean");
-            let mut first = vec![[0.0, 0.0]; level.family_count()];
-            for (parent, &value) in level.parents.iter().zip(&values).rev() {
-                first[parent.neighbour as usize] = multiply(conjugate(parent.weight), value);
-            }
-            for (parent, &value) in level.parents.iter().zip(&values) {
-                let here = multiply(parent.weight, first[parent.neighbour as usize]);
-                assert!(far(&[here], &[value]) < 1e-5, "level {depth}: members differ");
-            }
-            values = first;
-        }
-    }
-}
+mod tests;

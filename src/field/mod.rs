@@ -18,7 +18,7 @@
 mod align;
 mod guide_file;
 mod guides;
-mod hierarchy;
+pub(crate) mod hierarchy;
 mod outset;
 mod sectors;
 mod singularities;
@@ -27,7 +27,7 @@ pub mod smooth;
 pub use align::Align;
 pub use guide_file::{GuideFault, GuideFileError, read_guides};
 pub use guides::{Guide, GuideReport, GuideTrouble, Trace};
-pub use hierarchy::{Hierarchy, Level, Link, Row};
+pub use hierarchy::{Hierarchy, Level, Link, MIRRORED, Row};
 pub use sectors::Sectors;
 pub use singularities::{Seat, Singularity};
 
@@ -76,7 +76,7 @@ impl Field {
             grips.extend(align::grips(surface, &sectors, &align, &grips));
         }
         let hierarchy = Hierarchy::new(surface, &sectors, &guides::pulls(surface, &sectors, &grips));
-        let crosses = backend.smooth_field(&hierarchy)?;
+        let crosses = backend.smooth(&hierarchy)?;
         let in_triangles = sectors.in_triangles(&crosses);
         Ok(Self { sectors, crosses, in_triangles, guides })
     }

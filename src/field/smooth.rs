@@ -87,16 +87,38 @@ pub trait Steps {
     fn flow(&mut self, depth: usize, step: f32) -> Result<(), Self::Error>;
 }
 
-/// Smooths the crosses of all levels finer than `start`, of `levels` in all.
+/// How much is done on the way up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pace {
+    /// Descents on each level.
+    pub descents: u32,
+    /// Sweeps that normalise on each level but the finest.
+    pub flows: u32,
+    /// On the finest.
+    pub last_flows: u32,
+}
+
+impl Pace {
+    /// The pace of the cross field, whose answer is that of a linear problem.
+    pub const FIELD: Self = Self { descents: DESCENTS, flows: 0, last_flows: UNIT_SWEEPS };
+}
+
+/// Smooths the values of all levels finer than the hierarchy's start.
 ///
 /// # Errors
 /// Where a step fails.
-pub fn schedule<S: Steps>(steps: &mut S, start: usize, levels: usize) -> Result<(), S::Error> {
-    for depth in (0..start).rev() {
+pub fn schedule<S: Steps>(steps: &mut S, hierarchy: &Hierarchy) -> Result<(), S::Error> {
+    let pace = hierarchy.pace;
+    for depth in (0..hierarchy.start).rev() {
         steps.prolong(depth)?;
-        solve(steps, depth, levels, DESCENTS)?;
+        if pace.descents > 0 {
+            solve(steps, depth, hierarchy.levels.len(), pace.descents)?;
+        }
+        if depth > 0 {
+            (0..pace.flows).try_for_each(|_| steps.flow(depth, UNIT_STEP))?;
+        }
     }
-    (0..UNIT_SWEEPS).try_for_each(|_| steps.flow(0, UNIT_STEP))
+    (0..pace.last_flows).try_for_each(|_| steps.flow(0, UNIT_STEP))
 }
 
 /// Solves a level's equations by so many descents.
@@ -134,8 +156,19 @@ pub fn smooth(hierarchy: &Hierarchy) -> Vec<Complex> {
     }
     // On one of rayon's threads: from outside each of the many short loops would wait for one to wake.
     rayon::scope(|_| {
-        let Ok(()) = schedule(&mut work, hierarchy.start, hierarchy.levels.len());
+        let Ok(()) = schedule(&mut work, hierarchy);
     });
+    work.states.swap_remove(0).crosses
+}
+
+/// Values of one level after so many normalising sweeps.
+pub(crate) fn flowed(level: &Level, values: Vec<Complex>, sweeps: u32) -> Vec<Complex> {
+    let levels = std::slice::from_ref(level);
+    let mut work = Work::new(levels);
+    work.states[0].crosses = values;
+    for _ in 0..sweeps {
+        let Ok(()) = work.flow(0, UNIT_STEP);
+    }
     work.states.swap_remove(0).crosses
 }
 
@@ -287,7 +320,8 @@ fn left(wanted: Complex, level: &Level, values: &[Complex], i: usize) -> Complex
     let z = values[i];
     let [mut x, mut y] = [wanted[0] - diagonal * z[0], wanted[1] - diagonal * z[1]];
     for link in level.links_of(i) {
-        let (w, z) = (link.weight, values[link.neighbour as usize]);
+        let (w, z) = (link.weight, values[link.index()]);
+        let z = [z[0], if link.is_mirrored() { -z[1] } else { z[1] }];
         x = x + w[0] * z[0] - w[1] * z[1];
         y = y + w[0] * z[1] + w[1] * z[0];
     }
@@ -338,8 +372,10 @@ fn gathered(level: &Level, family: usize, value: impl Fn(usize) -> Complex) -> C
     for &i in level.members_of(family) {
         let r = value(i as usize);
         // The turn reads the family's value in the member's frame; its conjugate leads back.
-        let t = level.parents[i as usize].weight;
+        let parent = level.parents[i as usize];
+        let t = parent.weight;
         x = x + t[0] * r[0] + t[1] * r[1];
+        let r = if parent.is_mirrored() { [-r[0], -r[1]] } else { r };
         y = y + t[0] * r[1] - t[1] * r[0];
     }
     [x, y]
@@ -348,7 +384,8 @@ fn gathered(level: &Level, family: usize, value: impl Fn(usize) -> Complex) -> C
 /// A value, and what its parent's adds to it.
 fn carried(z: Complex, level: &Level, coarse: &[Complex], i: usize) -> Complex {
     let parent = level.parents[i];
-    let (t, c) = (parent.weight, coarse[parent.neighbour as usize]);
+    let (t, c) = (parent.weight, coarse[parent.index()]);
+    let c = [c[0], if parent.is_mirrored() { -c[1] } else { c[1] }];
     [z[0] + t[0] * c[0] - t[1] * c[1], z[1] + t[0] * c[1] + t[1] * c[0]]
 }
 

@@ -45,7 +45,7 @@ impl Backend for GpuBackend<'_> {
         self.gpu.adapter().name.clone()
     }
 
-    fn smooth_field(&self, hierarchy: &Hierarchy) -> Result<Vec<Complex>, ComputeError> {
+    fn smooth(&self, hierarchy: &Hierarchy) -> Result<Vec<Complex>, ComputeError> {
         Ok(self.smooth.smooth(self.gpu, hierarchy)?)
     }
 

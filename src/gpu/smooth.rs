@@ -76,7 +76,7 @@ impl SmoothKernels {
             .collect::<Result<_, _>>()?;
         let place = vec![Place::default(); levels.len()];
         let mut run = Run { gpu, kernels: self, recording: gpu.record(), levels: &levels, place };
-        schedule(&mut run, hierarchy.start, levels.len())?;
+        schedule(&mut run, hierarchy)?;
         let Run { recording, place, .. } = run;
         recording.submit()?;
         gpu.read(&levels[0].crosses[place[0].crosses])
@@ -127,7 +127,9 @@ impl LevelBuffers {
             crosses: [gpu.upload("the crosses", crosses)?, zeros()?],
             correction: [zeros()?, zeros()?],
             residual: zeros()?,
-            descent: (depth < hierarchy.start).then(|| Descent::new(gpu, count)).transpose()?,
+            descent: (depth < hierarchy.start && hierarchy.pace.descents > 0)
+                .then(|| Descent::new(gpu, count))
+                .transpose()?,
         })
     }
 }

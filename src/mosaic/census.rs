@@ -18,7 +18,7 @@ const OTHER_SIDE: f32 = -0.5;
 /// Removes tiles where they crowd and adds tiles where there is room, in the order of ids.
 pub fn take(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Mosaic {
     let tiles = thin(mosaic);
-    let mut result = Mosaic { sites: mosaic.sites.clone(), tiles, sides: mosaic.sides };
+    let mut result = Mosaic { sites: mosaic.sites.clone(), tiles, sides: mosaic.sides, rulers: mosaic.rulers.clone() };
     let more = room(surface, field, &result);
     result.tiles.extend(more);
     result

@@ -20,19 +20,22 @@
 
 pub mod census;
 pub mod grid;
+pub mod lattice;
+pub mod phases;
 pub mod refine;
 pub mod relax;
 pub mod seat;
 pub mod sow;
 
 pub use relax::Relaxation;
-pub use seat::{Seat, Site};
+pub use seat::{Rulers, Seat, Site};
 
-use crate::compute::{ComputeError, Ground};
+use crate::compute::{Backend, ComputeError, Ground};
 use crate::field::Field;
 use crate::surface::Surface;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use phases::Phases;
 
 /// A tile, or one side of a tile on a feature; the record that the kernels read.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -91,6 +94,7 @@ pub struct Mosaic {
     pub tiles: Vec<Tile>,
     /// How many of the tiles are sides.
     pub sides: usize,
+    pub(crate) rulers: Rulers,
 }
 
 impl Mosaic {
@@ -106,22 +110,26 @@ impl Mosaic {
     }
 
     /// Tiles of side `h` on the features, and these free tiles.
-    pub(crate) fn new(surface: &Surface, field: &Field, h: f32, free: impl IntoIterator<Item = Tile>) -> Self {
-        let (sites, mut tiles) = seat::seat(surface, field, h);
+    pub(crate) fn new(
+        surface: &Surface,
+        field: &Field,
+        h: f32,
+        rulers: Rulers,
+        free: impl IntoIterator<Item = Tile>,
+    ) -> Self {
+        let (sites, mut tiles) = seat::seat(surface, field, h, &rulers);
         let sides = tiles.len();
         tiles.extend(free);
-        Self { sites, tiles, sides }
+        Self { sites, tiles, sides, rulers }
     }
 }
 
-/// How hard to work on the tiles of each level.
+/// How hard to work on the tiles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
-    /// The coarsest mosaic has at least this many tiles, where the finest has. Default 70.
-    pub first_tiles: usize,
-    /// Batches of relaxation, each after a census, on the coarsest level. Default 12.
-    pub first_batches: usize,
-    /// Batches on each finer level. Default 2.
+    /// The periodic solve lays at most this many tiles; more are made of them by splitting. Default 16,000.
+    pub solved: usize,
+    /// Batches of relaxation on each level, each before a census. Default 2.
     pub batches: usize,
     /// Steps a batch. Default 8.
     pub steps: u32,
@@ -129,8 +137,21 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { first_tiles: 70, first_batches: 12, batches: 2, steps: 8 }
+        Self { solved: 16_000, batches: 2, steps: 8 }
     }
+}
+
+/// How often each tile of the periodic solve is split into three by three where tiles of side `h` are wanted.
+fn splits(surface: &Surface, h: f64, solved: usize) -> i32 {
+    let excess = count_for_side(surface, h) / solved.max(1) as f64;
+    excess.log(9.0).ceil().max(0.0) as i32
+}
+
+/// The longest edge of a surface on which a mosaic of `count` tiles can be laid, in unit-sized coordinates: the periodic
+/// solve sees its rows from vertex to vertex.
+pub fn longest_edge(surface: &Surface, count: usize) -> f64 {
+    let h = f64::from(side_for_count(surface, count));
+    LONGEST_EDGE * h * 3f64.powi(splits(surface, h, Effort::default().solved))
 }
 
 /// The number of tiles of side `h`, unit-sized, that a surface takes: the inverse of [`side_for_count`].
@@ -153,7 +174,9 @@ pub struct Layer<'a> {
     pub surface: &'a Surface,
     /// Its field.
     pub field: &'a Field,
-    /// Both, made ready for relaxation.
+    /// What the periodic solve runs on.
+    pub backend: &'a dyn Backend,
+    /// Surface and field, made ready for relaxation.
     pub ground: &'a dyn Ground,
     /// How hard to work.
     pub effort: Effort,
@@ -169,6 +192,8 @@ const ATTEMPTS: usize = 3;
 const PROMISE_ERROR: f64 = 0.005;
 /// Coarse mosaics that are tried.
 const TRIES: usize = 5;
+/// The longest edge that the periodic solve sees rows across, in tile sides.
+const LONGEST_EDGE: f64 = 0.7;
 
 impl Layer<'_> {
     /// A mosaic of nearly `count` tiles.
@@ -197,22 +222,19 @@ impl Layer<'_> {
         Ok(best)
     }
 
-    /// A mosaic whose last coarse level promises `count` tiles.
+    /// A mosaic that promises `count` tiles before its finest level is relaxed.
     ///
-    /// Each tile of that level becomes nine, so it decides the count; it is cheap, and laid again with another side
-    /// until its promise is right.
+    /// Up to there it is cheap, and laid again with another side until its promise is right.
     fn aimed_at(&self, count: f64) -> Result<Mosaic, ComputeError> {
         let mut h = side_for_count(self.surface, count.round() as usize);
-        let mut best: Option<(f64, f32, i32, Mosaic)> = None;
+        let mut best: Option<(f64, f32, Mosaic)> = None;
         for _ in 0..TRIES {
-            let levels = self.levels(h);
-            let coarse = self.coarse(h, levels)?;
-            let finest = if levels == 0 { coarse } else { self.refined(&coarse, h) };
+            let finest = self.promised(h)?;
             let features = finest.sites.len();
             let ratio = finest.count().max(1) as f64 / count;
             let miss = ratio.ln().abs();
             if best.as_ref().is_none_or(|b| miss < b.0) {
-                best = Some((miss, h, levels, finest));
+                best = Some((miss, h, finest));
             }
             if miss < PROMISE_ERROR || features as f64 >= count {
                 break;
@@ -220,43 +242,46 @@ impl Layer<'_> {
             h *= ratio.sqrt() as f32;
         }
         (self.progress)(0.3);
-        let (_, h, levels, finest) = best.expect("one try at least");
-        let settled = if levels == 0 { finest } else { self.settled(finest, h, self.effort.batches)? };
+        let (_, h, finest) = best.expect("one try at least");
+        let settled = self.settled(finest, h)?;
         (self.progress)(1.0);
         Ok(settled)
     }
 
-    /// How many times tiles are split by three to reach side `h`.
-    ///
-    /// Corners have a tile each on every level, so the coarsest is not to have fewer tiles than there are corners.
-    fn levels(&self, h: f32) -> i32 {
-        let finest = self.surface.area() / f64::from(h * h);
-        let first = self.effort.first_tiles.max(self.surface.features().corners().count());
-        (finest / first as f64).log(9.0).floor().max(0.0) as i32
-    }
-
-    /// The levels before the finest; where there is one level only, that.
-    fn coarse(&self, h: f32, levels: i32) -> Result<Mosaic, ComputeError> {
-        let first = h * 3f32.powi(levels);
-        let sown = Mosaic::new(self.surface, self.field, first, sow::sow(self.surface, self.field, first));
-        let mut mosaic = self.settled(sown, first, self.effort.first_batches)?;
-        for level in 1..levels {
-            let h = h * 3f32.powi(levels - level);
-            mosaic = self.settled(self.refined(&mosaic, h), h, self.effort.batches)?;
+    /// Tiles of side `h`, the finest level not relaxed.
+    fn promised(&self, h: f32) -> Result<Mosaic, ComputeError> {
+        let splits = splits(self.surface, f64::from(h), self.effort.solved);
+        let first = h * 3f32.powi(splits);
+        let mut mosaic = self.sown(first)?;
+        for split in 1..=splits {
+            mosaic = self.settled(mosaic, h * 3f32.powi(splits - split + 1))?;
+            mosaic = self.refined(&mosaic, h * 3f32.powi(splits - split));
         }
         Ok(mosaic)
     }
 
+    /// Tiles of side `h` where the rows of the periodic solve cross.
+    fn sown(&self, h: f32) -> Result<Mosaic, ComputeError> {
+        let (surface, field) = (self.surface, self.field);
+        let phases = Phases::solve(surface, field, |_| f64::from(h), self.backend)?;
+        let mut tiles = lattice::lattice(surface, field, &phases, h);
+        if tiles.is_empty() {
+            tiles = sow::sow(surface, field, h);
+        }
+        let sown = Mosaic::new(surface, field, h, Rulers::new(surface, &phases), tiles);
+        Ok(census::take(surface, field, &sown))
+    }
+
     fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {
         let free = refine::refine(self.surface, self.field, coarse, h);
-        let refined = Mosaic::new(self.surface, self.field, h, free);
+        let refined = Mosaic::new(self.surface, self.field, h, coarse.rulers.thirds(), free);
         census::take(self.surface, self.field, &refined)
     }
 
     /// Relaxed in batches, with a census after each.
-    fn settled(&self, mut mosaic: Mosaic, h: f32, batches: usize) -> Result<Mosaic, ComputeError> {
+    fn settled(&self, mut mosaic: Mosaic, h: f32) -> Result<Mosaic, ComputeError> {
         let relaxation = Relaxation::new(self.effort.steps, h);
-        for _ in 0..batches {
+        for _ in 0..self.effort.batches {
             mosaic.tiles = self.ground.relax(&mosaic.tiles, &relaxation)?;
             mosaic = census::take(self.surface, self.field, &mosaic);
         }

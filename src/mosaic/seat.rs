@@ -6,6 +6,7 @@
 //! meet, each has its own tiles, at the same places.
 
 use super::Tile;
+use super::phases::Phases;
 use crate::field::Field;
 use crate::geometry::{cross, unit};
 use crate::surface::{Curve, Surface, next, previous};
@@ -39,25 +40,33 @@ const SNAP: f64 = 1e-3;
 const ALL_ROUND: u32 = 5;
 
 /// The tiles of side `h` on the features, and the sides that they are seen from.
-pub fn seat(surface: &Surface, field: &Field, h: f32) -> (Vec<Site>, Vec<Tile>) {
+pub fn seat(surface: &Surface, field: &Field, h: f32, rulers: &Rulers) -> (Vec<Site>, Vec<Tile>) {
     let mut seats = Seats::default();
     seats.at_corners(surface);
     let mut joined = FxHashSet::default();
     for curve in surface.features().curves() {
         let path = Path::new(surface, curve);
-        let intervals = seats.intervals(surface, &path).unwrap_or_else(|| {
+        let least = {
             // Few intervals must not make a loop of less than three edges, nor two edges between the same two corners.
             let ends = path.ends(surface);
-            let least = if ends[0] == ends[1] {
+            if ends[0] == ends[1] {
                 3
             } else if joined.insert(ends) {
                 1
             } else {
                 2
-            };
-            ((path.length / f64::from(h)).round() as usize).max(least)
-        });
-        seats.along(surface, &path, h, intervals);
+            }
+        };
+        let marks = match seats.intervals(surface, &path) {
+            Some(intervals) => path.even(intervals),
+            None => match rulers.marks.get(&path.key(surface)) {
+                Some(marks) if intervals(marks) * rulers.finer >= least => {
+                    marks.iter().map(|x| x * rulers.finer as f64).collect()
+                }
+                _ => path.even(((path.length / f64::from(h)).round() as usize).max(least)),
+            },
+        };
+        seats.along(surface, &path, h, &marks);
     }
     let mut tiles = Vec::with_capacity(2 * seats.list.len());
     let mut sites = Vec::with_capacity(seats.list.len());
@@ -66,6 +75,46 @@ pub fn seat(surface: &Surface, field: &Field, h: f32) -> (Vec<Site>, Vec<Tile>) 
         sides(surface, field, seat, h, &mut tiles);
     }
     (sites, tiles)
+}
+
+fn intervals(marks: &[f64]) -> usize {
+    (marks[marks.len() - 1] - marks[0]).round() as usize
+}
+
+/// Where tiles are to be along each feature curve: at the whole numbers of what grows along it.
+#[derive(Clone, Debug, Default)]
+pub struct Rulers {
+    marks: FxHashMap<[u32; 2], Vec<f64>>,
+    finer: usize,
+}
+
+impl Rulers {
+    /// Where rows cross the features.
+    pub fn new(surface: &Surface, phases: &Phases) -> Self {
+        let mut marks = FxHashMap::default();
+        for curve in surface.features().curves() {
+            let path = Path::new(surface, curve);
+            let ways = path.half_edges.iter().zip(&path.vertices).map(|(&h, &v)| {
+                let [at, step] = phases.along(h);
+                if surface.origin(h) == v { [at, step] } else { [-at - step, step] }
+            });
+            let ways: Vec<[f64; 2]> = ways.collect();
+            let mut here = vec![if path.closed { ways[0][0] } else { 0.0 }];
+            ways.iter().for_each(|[_, step]| here.push(here[here.len() - 1] + step));
+            if intervals(&here) > 0 && ways.iter().all(|way| way[1] > 0.0) {
+                // Corners are whole, but for roundings.
+                let last = here.len() - 1;
+                here[last] = here[0] + intervals(&here) as f64;
+                marks.entry(path.key(surface)).or_insert(here);
+            }
+        }
+        Self { marks, finer: 1 }
+    }
+
+    /// For tiles of a third of the side.
+    pub fn thirds(&self) -> Self {
+        Self { finer: 3 * self.finer, marks: self.marks.clone() }
+    }
 }
 
 /// A feature curve, run through in the direction, and from the vertex where it is closed, that curves of other sheets at
@@ -96,6 +145,19 @@ impl Path {
         }
         let lengths: Vec<f64> = half_edges.iter().map(|&h| surface.length(h)).collect();
         Self { vertices, half_edges, length: lengths.iter().sum(), lengths, closed: curve.closed }
+    }
+
+    /// Equal intervals.
+    fn even(&self, intervals: usize) -> Vec<f64> {
+        let mut passed = 0.0;
+        let mut marks = vec![0.0];
+        for length in &self.lengths {
+            passed += length;
+            marks.push(passed / self.length * intervals as f64);
+        }
+        let last = marks.len() - 1;
+        marks[last] = intervals as f64;
+        marks
     }
 
     /// Where it begins and ends, the lower first.
@@ -134,19 +196,20 @@ impl Seats {
     }
 
     /// Adds the seats along a curve, its corners left out.
-    fn along(&mut self, surface: &Surface, path: &Path, h: f32, intervals: usize) {
+    fn along(&mut self, surface: &Surface, path: &Path, h: f32, marks: &[f64]) {
         let begun = self.list.len() as u32;
+        let intervals = intervals(marks);
         let count = (intervals - usize::from(!path.closed)) as u32;
         let [first, _] = *self.of_curves.entry(path.key(surface)).or_insert([begun, count]);
         let lengths = &path.lengths;
-        let (mut edge, mut passed) = (0, 0.0);
+        let mut edge = 0;
+        let begin = marks[0].ceil();
         for (k, i) in (usize::from(!path.closed)..intervals).enumerate() {
-            let at = path.length * i as f64 / intervals as f64;
-            while edge + 1 < lengths.len() && passed + lengths[edge] < at {
-                passed += lengths[edge];
+            let at = begin + i as f64;
+            while edge + 1 < lengths.len() && marks[edge + 1] < at {
                 edge += 1;
             }
-            let share = (at - passed) / lengths[edge].max(f64::MIN_POSITIVE);
+            let share = ((at - marks[edge]) / (marks[edge + 1] - marks[edge])).clamp(0.0, 1.0);
             let snap = SNAP * (f64::from(h) / lengths[edge].max(f64::MIN_POSITIVE)).min(1.0);
             let seat = if share < snap {
                 Seat::Vertex(path.vertices[edge])

@@ -8,6 +8,7 @@
 mod adjacency;
 mod caps;
 pub(crate) mod curvature;
+mod divide;
 mod edge_file;
 pub mod examples;
 mod features;
@@ -225,7 +226,7 @@ impl Surface {
         if options.ridge < 180.0 {
             let lines = ridges::ridges(&self, f64::from(h), options.ridge);
             if !lines.is_empty() {
-                self.cut(&lines, options);
+                self.replace(split::Split::along(&self, &lines), options);
             }
         }
         self
@@ -243,21 +244,6 @@ impl Surface {
         self.named.extend(half_edges);
         self.named.sort_unstable();
         self.named.dedup();
-    }
-
-    /// Cuts triangles along lines, which become features.
-    fn cut(&mut self, lines: &[Vec<split::Place>], options: &FeatureOptions) {
-        let split = split::Split::along(self, lines);
-        let parts = |h: &u32| split.parts[*h as usize];
-        let mut marked = vec![false; 3 * split.triangles.len()];
-        let features = (0..split.parts.len() as u32).filter(|&h| self.features.is_feature(h));
-        features.flat_map(|h| parts(&h)).chain(split.on_lines.iter().copied()).for_each(|h| marked[h as usize] = true);
-        self.named = self.named.iter().flat_map(parts).collect();
-        self.name(split.on_lines);
-        self.regions = self.regions.of(&split.sources);
-        self.same_place.extend(self.points.len() as u32..split.points.len() as u32);
-        (self.points, self.triangles, self.twins) = (split.points, split.triangles, split.twins);
-        self.features = Features::along(self, marked, options.corner);
     }
 
     /// The map from model units.

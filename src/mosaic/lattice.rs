@@ -1,0 +1,79 @@
+//! First tiles: at the whole numbers of the two coordinates that phases stand for.
+
+use super::Tile;
+use super::phases::Phases;
+use crate::field::Field;
+use crate::surface::Surface;
+use rayon::prelude::*;
+
+/// Triangles whose image is thinner than this, as a share of the squares of its sides, or turned over hold no tile.
+const THIN: f64 = 0.02;
+/// A place outside of a triangle by less than this share of its height belongs to it too: none is lost on an edge.
+const SLACK: f64 = 1e-3;
+
+/// A free tile of side `side` at its vertex wherever two rows cross; on edges there may be two of them.
+pub fn lattice(surface: &Surface, field: &Field, phases: &Phases, h: f32) -> Vec<Tile> {
+    let tiles = |t: u32| {
+        let [a, b, c] = surface.corners(t as usize);
+        let sides = [phases.step(3 * t), phases.step_at_end(3 * t + 2).map(|x| -x)];
+        crossings(phases.at(3 * t), sides).into_iter().map(move |[along_ab, along_ac]| {
+            let position = a + (b - a) * along_ab as f32 + (c - a) * along_ac as f32;
+            Tile::free(surface, field, t, position, h)
+        })
+    };
+    (0..surface.triangle_count() as u32).into_par_iter().flat_map_iter(tiles).collect()
+}
+
+/// Where both coordinates are whole in a triangle, in shares of its first and last side: they are `origin` at its first
+/// corner and grow by `sides` along those.
+fn crossings(origin: [f64; 2], [p, q]: [[f64; 2]; 2]) -> Vec<[f64; 2]> {
+    let mut found = Vec::new();
+    let area = p[0] * q[1] - p[1] * q[0];
+    if area <= THIN * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]) {
+        return found;
+    }
+    let whole = |k: usize| {
+        let ends = [0.0, p[k], q[k]].map(|x| origin[k] + x);
+        let [low, high] = [f64::min, f64::max].map(|pick| ends.into_iter().reduce(pick).unwrap_or(0.0));
+        let slack = SLACK * (high - low);
+        (low - slack).ceil() as i64..=(high + slack).floor() as i64
+    };
+    for (i, j) in whole(0).flat_map(|i| whole(1).map(move |j| (i, j))) {
+        let [x, y] = [i as f64 - origin[0], j as f64 - origin[1]];
+        let [b, c] = [(x * q[1] - y * q[0]) / area, (p[0] * y - p[1] * x) / area];
+        if b >= -SLACK && c >= -SLACK && b + c <= 1.0 + SLACK {
+            let inside = [b.clamp(0.0, 1.0), c.clamp(0.0, 1.0)];
+            let over = (inside[0] + inside[1]).max(1.0);
+            found.push(inside.map(|x| x / over));
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crossings_lie_at_whole_numbers_and_none_is_missed() {
+        // A right triangle of 3 by 3 tiles, its first corner just off a crossing.
+        let origin = [0.9, 4.9];
+        let found = crossings(origin, [[3.0, 0.0], [0.0, 3.0]]);
+        let mut places: Vec<[i64; 2]> = Vec::new();
+        for [b, c] in found {
+            let place = [origin[0] + 3.0 * b, origin[1] + 3.0 * c];
+            assert!(place.iter().all(|x| (x - x.round()).abs() < 1e-9), "{place:?}");
+            places.push(place.map(|x| x.round() as i64));
+        }
+        places.sort_unstable();
+        assert_eq!(places, [[1, 5], [1, 6], [1, 7], [2, 5], [2, 6], [3, 5]]);
+    }
+
+    #[test]
+    fn a_crossing_on_an_edge_belongs_to_both_sides_and_a_turned_triangle_holds_none() {
+        let sides = [[1.0, -0.5], [1.0, 0.5]];
+        assert_eq!(crossings([0.0, 0.0], sides).len(), 2, "the first corner and the middle of the far side");
+        assert_eq!(crossings([1.0, 0.0], [[-1.0, -0.5], [-1.0, 0.5]]).len(), 0, "turned over");
+        assert_eq!(crossings([0.3, 0.3], [[0.4, 0.0], [0.0, 0.4]]).len(), 0, "between crossings");
+    }
+}

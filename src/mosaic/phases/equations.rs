@@ -1,0 +1,135 @@
+//! The equations of the phases, in the form of the field's.
+
+use super::{Unknowns, Way, along};
+use crate::field::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
+use crate::field::smooth::{Pace, flowed};
+use crate::field::{Complex, Hierarchy, Level, Link, MIRRORED, Sectors};
+use crate::surface::{Surface, next, previous};
+use rustc_hash::FxHashMap;
+use std::f64::consts::TAU;
+
+/// Unknowns of the level that the smoothing sets out from: some of them for each region of rows in step.
+const OUTSET: usize = 500;
+/// Sweeps there.
+const OUTSET_FLOWS: u32 = 200;
+/// Sweeps on each finer level.
+const FLOWS: u32 = 20;
+
+/// The unknowns of all sectors, and their equations.
+pub fn equations(surface: &Surface, sectors: &Sectors, ways: &[Way]) -> (Vec<Unknowns>, Hierarchy) {
+    let (unknowns, fixed) = unknowns(surface, sectors);
+    let levels = levels(surface, sectors, ways, &unknowns, &fixed);
+    let start = levels.iter().position(|level| level.len() <= OUTSET).unwrap_or(levels.len() - 1);
+    let crosses = flowed(&levels[start], spread(&levels[start]), OUTSET_FLOWS);
+    let pace = Pace { descents: 0, flows: FLOWS, last_flows: FLOWS };
+    (unknowns, Hierarchy { levels, start, crosses, pace })
+}
+
+/// Values that spread from what is fixed, and where nothing is, from the first unknown: rows are in step with features
+/// before they meet each other.
+fn spread(level: &Level) -> Vec<Complex> {
+    let mut values = level.fixed_crosses();
+    let is_open = |value: &Complex| *value == [0.0, 0.0];
+    let mut left = level.len();
+    loop {
+        let open = values.iter().filter(|value| is_open(value)).count();
+        if open == 0 {
+            return values;
+        }
+        if open == left
+            && let Some(value) = values.iter_mut().find(|value| is_open(value))
+        {
+            *value = [1.0, 0.0];
+        }
+        left = open;
+        values = flowed(level, values, 1);
+    }
+}
+
+/// The two unknowns of each sector, and which unknowns are fixed.
+///
+/// On a feature the phase across it is fixed, and the one along it is shared by all sectors at the place; at corners
+/// both are fixed.
+fn unknowns(surface: &Surface, sectors: &Sectors) -> (Vec<Unknowns>, Vec<bool>) {
+    let mut fixed = Vec::with_capacity(2 * sectors.count());
+    // The shared unknown at a place on a feature, and the vertex that it grows towards.
+    let mut shared: FxHashMap<u32, [u32; 2]> = FxHashMap::default();
+    let unknowns = (0..sectors.count()).map(|sector| {
+        let first = sectors.first_corner[sector];
+        let vertex = surface.origin(first);
+        let is_corner = surface.features().is_corner(vertex);
+        let own = fixed.len() as u32;
+        if is_corner || sectors.quarters[sector] == 0 {
+            fixed.extend([is_corner; 2]);
+            return [own, own + 1];
+        }
+        fixed.push(true);
+        let toward = surface.same_place(surface.target(first));
+        let [along, end] = *shared.entry(surface.same_place(vertex)).or_insert_with(|| {
+            fixed.push(false);
+            [own + 1, toward]
+        });
+        [if end == toward { along } else { along | MIRRORED }, own]
+    });
+    (unknowns.collect(), fixed)
+}
+
+/// The sectors that read each unknown, with the quarter turns from their axes at which they do, one after the other, and
+/// where those of each unknown start.
+fn readers(unknowns: &[Unknowns], count: usize) -> (Vec<u32>, Vec<[u32; 2]>) {
+    let all = || (0..).zip(unknowns).flat_map(|(s, pair)| [0, 1].map(|k| [pair[k as usize], s, k]));
+    let mut starts = vec![0u32; count + 1];
+    all().for_each(|[unknown, ..]| starts[(unknown & !MIRRORED) as usize + 1] += 1);
+    for i in 0..count {
+        starts[i + 1] += starts[i];
+    }
+    let mut place = starts.clone();
+    let mut readers = vec![[0; 2]; 2 * unknowns.len()];
+    for [unknown, sector, k] in all() {
+        let place = &mut place[(unknown & !MIRRORED) as usize];
+        readers[*place as usize] = [sector, k];
+        *place += 1;
+    }
+    (starts, readers)
+}
+
+fn levels(surface: &Surface, sectors: &Sectors, ways: &[Way], unknowns: &[Unknowns], fixed: &[bool]) -> Vec<Level> {
+    let (reader_starts, readers) = readers(unknowns, fixed.len());
+    let weight = |h: u32| (sectors.cotangent(previous(h)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT);
+    // What direction `k` of the sector that a half-edge leaves is linked to at its end: the far value, taken back.
+    let link = |h: u32, k: u32, end: Unknowns| {
+        let way = ways[h as usize];
+        let (s, c) = (TAU * way.by[k as usize]).sin_cos();
+        let w = weight(h);
+        Link { neighbour: along(end, k + way.quarters), weight: [(w * c) as f32, (-w * s) as f32] }
+    };
+    let sector_of = |corner: u32| sectors.of_corner[corner as usize] as usize;
+    let Gathered { rows: excess, starts, links } = gather(fixed.len(), |i, links| {
+        let own = links.len();
+        let mut add = |unknown: u32, link: Link| {
+            // As the unknown itself, not as the sector that reads it.
+            let mirror = unknown & MIRRORED;
+            let weight = if mirror == 0 { link.weight } else { [link.weight[0], -link.weight[1]] };
+            let link = Link { neighbour: link.neighbour ^ mirror, weight };
+            if link.index() == i {
+                return;
+            }
+            match links[own..].iter_mut().find(|known| known.neighbour == link.neighbour) {
+                Some(known) => known.weight = [known.weight[0] + link.weight[0], known.weight[1] + link.weight[1]],
+                None => links.push(link),
+            }
+        };
+        for &[sector, k] in &readers[reader_starts[i] as usize..reader_starts[i + 1] as usize] {
+            let unknown = unknowns[sector as usize][k as usize];
+            for corner in sectors.corners(surface, sector) {
+                add(unknown, link(corner, k, unknowns[sector_of(next(corner))]));
+                let entering = previous(corner);
+                let j = (k + ways[entering as usize].quarters) % 2;
+                add(unknown, link(entering, j, [0; 2]).back(unknowns[sector_of(entering)][j as usize]));
+            }
+        }
+        Excess { fixed: fixed[i], ..Excess::default() }
+    });
+    let pulls = fixed.iter().map(|&fixed| [f32::from(fixed), 0.0]).collect();
+    coarsen(Level::new(&excess, &starts, links, pulls), excess)
+}

@@ -1,0 +1,50 @@
+//! Divides long edges, so that what is computed at the surface's vertices can vary within a few tiles; its shape stays.
+
+use super::split::{Place, Split};
+use super::{FeatureOptions, Features, Surface};
+use rustc_hash::FxHashMap;
+
+impl Surface {
+    /// The same surface with no edge longer than `longest`, in unit-sized coordinates.
+    pub(crate) fn divided(mut self, longest: f64, options: &FeatureOptions) -> Self {
+        loop {
+            let long = |&h: &u32| self.twin(h).is_none_or(|twin| h < twin) && self.length(h) > longest;
+            let middles: Vec<u32> = (0..3 * self.triangle_count() as u32).filter(long).collect();
+            if middles.is_empty() {
+                return self;
+            }
+            self.halve(&middles, options);
+        }
+    }
+
+    fn halve(&mut self, edges: &[u32], options: &FeatureOptions) {
+        let lines: Vec<Vec<Place>> = edges.iter().map(|&h| vec![Place::Edge(h, 0.5)]).collect();
+        // Where sheets meet, the edges of all of them are divided, at one place.
+        let mut first = FxHashMap::default();
+        let middles = (self.points.len() as u32..).zip(edges).map(|(middle, &h)| {
+            let [a, b] = [self.origin(h), self.target(h)].map(|v| self.same_place(v));
+            if !self.features.is_feature(h) {
+                return middle;
+            }
+            *first.entry([a.min(b), a.max(b)]).or_insert(middle)
+        });
+        let middles: Vec<u32> = middles.collect();
+        self.replace(Split::along(self, &lines), options);
+        self.same_place.truncate(self.points.len() - middles.len());
+        self.same_place.extend(middles);
+    }
+
+    /// Takes the parts of triangles in place of the whole ones.
+    pub(super) fn replace(&mut self, split: Split, options: &FeatureOptions) {
+        let parts = |h: &u32| split.parts[*h as usize];
+        let mut marked = vec![false; 3 * split.triangles.len()];
+        let features = (0..split.parts.len() as u32).filter(|&h| self.features.is_feature(h));
+        features.flat_map(|h| parts(&h)).chain(split.on_lines.iter().copied()).for_each(|h| marked[h as usize] = true);
+        self.named = self.named.iter().flat_map(parts).collect();
+        self.name(split.on_lines);
+        self.regions = self.regions.of(&split.sources);
+        self.same_place.extend(self.points.len() as u32..split.points.len() as u32);
+        (self.points, self.triangles, self.twins) = (split.points, split.triangles, split.twins);
+        self.features = Features::along(self, marked, options.corner);
+    }
+}
