@@ -11,8 +11,8 @@ use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
 use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::join::{Joined, join};
-use crate::mesh::regions::with_regions;
 use crate::mesh::pair::{PairCounts, PairOptions, Paired, pair};
+use crate::mesh::regions::with_regions;
 use crate::mesh::smooth::{Smoothed, smooth};
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Mesh, Triangulation};
@@ -217,7 +217,19 @@ pub fn run(
 
     let times = clock.finish();
     let [before, mesh] = [before, mesh].map(|mesh| mesh.placed(surface.frame()));
-    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned: counts, paired: pairs, times })
+    Ok(Outcome {
+        surface,
+        field,
+        mosaic,
+        triangulation,
+        before,
+        mesh,
+        branches,
+        holes,
+        cleaned: counts,
+        paired: pairs,
+        times,
+    })
 }
 
 /// The surface, with the features that tiles so fine can show, and how many vertices are wanted.

@@ -110,8 +110,10 @@ fn a_sphere_from_end_to_end() {
     assert!(mesh.points.len().abs_diff(500) <= 25, "{} vertices", mesh.points.len());
 
     let stages: Vec<_> = report["times"].as_array().expect("a list").iter().map(|time| &time["stage"]).collect();
-    let expected =
-        ["read", "device", "surface", "field", "mosaic", "connect", "fill", "clean", "pair", "smooth", "measure", "write"];
+    let expected = [
+        "read", "device", "surface", "field", "mosaic", "connect", "fill", "clean", "pair", "smooth", "measure",
+        "write",
+    ];
     assert_eq!(stages, expected);
 
     for part in [

@@ -12,13 +12,7 @@ use glam::DVec3;
 ///
 /// A vertex that is no tile on a feature tells its faces' region, since borders of regions are features. Faces without such
 /// vertices lie where the triangle nearest to their middle does, of the regions that all their vertices touch.
-pub fn with_regions(
-    mesh: &Mesh,
-    surface: &Surface,
-    mosaic: &Mosaic,
-    below: &[Option<u32>],
-    kept: &[u32],
-) -> Mesh {
+pub fn with_regions(mesh: &Mesh, surface: &Surface, mosaic: &Mosaic, below: &[Option<u32>], kept: &[u32]) -> Mesh {
     let regions = surface.regions();
     if regions.of_face.is_empty() {
         return mesh.clone();

@@ -73,14 +73,7 @@ pub fn smooth(surface: &Surface, mesh: &Mesh, below: &[Option<u32>], passes: usi
 }
 
 /// Where a vertex goes, if its faces gain by it: the triangle there and the place.
-fn better(
-    surface: &Surface,
-    mesh: &Mesh,
-    v: u32,
-    triangle: u32,
-    faces: &[u32],
-    floor: f64,
-) -> Option<(u32, Vec3)> {
+fn better(surface: &Surface, mesh: &Mesh, v: u32, triangle: u32, faces: &[u32], floor: f64) -> Option<(u32, Vec3)> {
     let at = point(mesh, v);
     let (mut way, mut weight) = (DVec3::ZERO, 0.0);
     for &f in faces {

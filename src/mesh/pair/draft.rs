@@ -193,7 +193,8 @@ impl<'a> Draft<'a> {
         self.touched().into_iter().all(|vertex| {
             spokes.clear();
             spokes.extend(self.around(vertex).map(|face| self.wings(face, vertex)));
-            let Some(&first) = spokes.iter().find(|[_, after]| spokes.iter().all(|s| s[0] != *after)).or(spokes.first())
+            let Some(&first) =
+                spokes.iter().find(|[_, after]| spokes.iter().all(|s| s[0] != *after)).or(spokes.first())
             else {
                 // Only a vertex that was merged with another may be left without a face.
                 return !self.is_fixed(vertex);

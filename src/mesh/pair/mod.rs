@@ -19,13 +19,13 @@ use crate::surface::{Surface, WALK_EDGES, walk};
 use draft::{Draft, Scene};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use rows::Within;
 use rustc_hash::FxHashSet;
 use serde::Serialize;
 use settle::{Settled, settle};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use step::Step;
-use rows::Within;
 
 /// Which triangles are to become quads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,7 +95,12 @@ pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u
     let mut counts = PairCounts { triangles_before: work.triangles().len(), ..PairCounts::default() };
     work.run(&mut counts);
     if options.quads == Quads::All {
-        work.options = PairOptions { triangle_price: DEAR, longest_row: 3 * options.longest_row, drafts: 10 * options.drafts, ..*options };
+        work.options = PairOptions {
+            triangle_price: DEAR,
+            longest_row: 3 * options.longest_row,
+            drafts: 10 * options.drafts,
+            ..*options
+        };
         work.run(&mut counts);
         [counts.on_boundaries, counts.on_features] = work.pair_all();
     }
@@ -140,13 +145,7 @@ const DEAR: f64 = 3.0;
 const LEAST_GAIN: f64 = 1e-3;
 
 impl<'a> Work<'a> {
-    fn new(
-        surface: &'a Surface,
-        mesh: &Mesh,
-        anchors: &Anchors,
-        below: &[Option<u32>],
-        options: &PairOptions,
-    ) -> Self {
+    fn new(surface: &'a Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u32>], options: &PairOptions) -> Self {
         let mut scene = Scene {
             editor: Editor::new(mesh),
             normals: anchors.normals.iter().map(|n| Vec3::from(*n).as_dvec3()).collect(),
@@ -238,8 +237,11 @@ impl<'a> Work<'a> {
                     3 => ends.extend(Kind::Met, cost, [step::meet(draft, triangle, side, next)]),
                     4 => heap.extend(step::steps(draft, triangle, side, next).filter_map(|step| {
                         let cost = cost + step.cost(draft) + STEP;
-                        (cost - HOPE < ends.most() && !seen.contains(&step.key()))
-                            .then_some(Reached { cost, from: node, step })
+                        (cost - HOPE < ends.most() && !seen.contains(&step.key())).then_some(Reached {
+                            cost,
+                            from: node,
+                            step,
+                        })
                     })),
                     _ => {}
                 }
