@@ -79,10 +79,13 @@ impl<'a> Draft<'a> {
         }
     }
 
-    pub(super) fn add_face(&mut self, corners: &[u32]) {
+    /// Adds a face; returns its id.
+    pub(super) fn add_face(&mut self, corners: &[u32]) -> u32 {
         let known = self.scene.editor.face_count() as u32;
         let last = self.faces.iter().map(|changed| changed.0).max().unwrap_or(0);
-        self.set_face(known.max(last + 1), corners);
+        let face = known.max(last + 1);
+        self.set_face(face, corners);
+        face
     }
 
     /// A second vertex at the place of one, which it can take some of the faces of.

@@ -1,6 +1,7 @@
 //! All quads: the triangles that are left walk however far, one step at a time, and cross features where they must.
 
 use super::draft::Draft;
+use super::rows::{self, Landing, Within};
 use super::settle::{Settled, settle};
 use super::step::{Step, meet, steps};
 use super::{Change, Work};
@@ -14,12 +15,12 @@ use std::collections::BinaryHeap;
 const CROSSING: u32 = 40;
 /// What it costs to leave over an open boundary: no triangle does while there is another to meet.
 const LEAVING: u32 = 1_000_000;
-/// Passes over the triangles: one whose way was barred may find it open.
-const PASSES: usize = 3;
-/// No quad becomes worse than this shape.
-const LEAST: f64 = 0.1;
+/// What shape quads must keep in each pass over the triangles: those that stay behind may fold them further.
+const LEAST: [f64; 3] = [0.1, 0.03, 0.0];
 /// Steps that a triangle may take beside twice the length of its way.
 const DETOUR: usize = 20;
+/// Faces from a feature on which a row to it is tried.
+const NEAR: usize = 8;
 /// Outside the mesh.
 const OUTSIDE: u32 = u32::MAX;
 
@@ -30,7 +31,8 @@ impl Work<'_> {
     /// Pairs the triangles; returns how many vertices that took on open boundaries and on other features.
     pub(super) fn pair_all(&mut self) -> [usize; 2] {
         let mut added = [0; 2];
-        for _ in 0..PASSES {
+        for least in LEAST {
+            self.options.least_shape = least;
             for triangle in self.triangles() {
                 self.walk_off(triangle, &mut added);
             }
@@ -63,23 +65,20 @@ impl Work<'_> {
 
     /// One step of a triangle along a way; `None` where it cannot be made, and where it is no more, no triangle.
     fn walk_on(&mut self, triangle: u32, way: &[Passage], added: &mut [usize; 2]) -> Option<Option<u32>> {
-        let ([x, y], next) = way[0];
-        if next == OUTSIDE || self.scene.is_feature(x, y) {
-            let place = self.on_feature(x, y);
-            let drafts = crossings(&Draft::new(&self.scene), triangle, [x, y], next, place);
-            let (change, settled, after) = self.best_of(drafts)?;
-            let middle = self.scene.editor.vertex_count() as u32;
-            self.apply(&change, &settled.places);
-            self.scene.editor.place(middle, place.into());
-            self.scene.ideal[middle as usize] = if next == OUTSIDE { 2 } else { 4 };
-            self.scene.features.remove(&[x.min(y), x.max(y)]);
-            self.scene.features.extend([x, y].map(|end| [end, middle]));
-            added[usize::from(next != OUTSIDE)] += 1;
+        let scene = &self.scene;
+        let crossing = way.iter().position(|&([x, y], next)| next == OUTSIDE || scene.is_feature(x, y));
+        if crossing.is_some_and(|place| place < NEAR)
+            && let Some(after) = self.land(triangle, added)
+        {
             return Some(after);
         }
+        if crossing == Some(0) {
+            return None;
+        }
+        let ([x, y], next) = way[0];
         let draft = Draft::new(&self.scene);
         let corners = draft.face(triangle);
-        let side = (0..3).find(|&k| corners[k] == x)?;
+        let side = (0..3).find(|&k| corners[k] == x && corners[(k + 1) % 3] == y)?;
         let Some((onward, _)) = way.get(1) else {
             let (change, settled, _) = self.best_of(vec![(meet(&draft, triangle, side, next).1, None)])?;
             self.apply(&change, &settled.places);
@@ -139,60 +138,50 @@ impl Work<'_> {
             .into_iter()
             .filter(|(draft, _)| draft.is_sound())
             .filter_map(|(draft, after)| {
-                let settled = settle(&draft, self.options.triangle_price, LEAST)?;
+                let settled = settle(&draft, self.options.triangle_price, self.options.least_shape)?;
                 Some((Change::of(&draft), settled, after))
             })
             .reduce(|best, other| if other.1.gain > best.1.gain { other } else { best })
     }
 
-    /// The point of a feature of the surface nearest to the middle of two vertices.
-    fn on_feature(&self, x: u32, y: u32) -> DVec3 {
-        let [x, y] = [x, y].map(|v| DVec3::from(self.scene.editor.point(v)));
-        let middle = (x + y) / 2.0;
+    /// Puts a row in from a triangle to a feature near it, where that can be; the triangle is beyond it then, if anywhere.
+    fn land(&mut self, triangle: u32, added: &mut [usize; 2]) -> Option<Option<u32>> {
+        let draft = Draft::new(&self.scene);
+        let corners = draft.face(triangle).to_vec();
+        let within = Within { longest: NEAR, most: f64::INFINITY };
+        let mut landings: Vec<Landing> =
+            corners.iter().flat_map(|&apex| rows::land(&draft, triangle, apex, within)).collect();
+        for Landing { draft, split, .. } in &mut landings {
+            for v in &split[..2] {
+                let place = self.on_feature(draft.point(*v));
+                draft.place(*v, place);
+            }
+        }
+        let drafts = landings.iter().enumerate().map(|(k, landing)| (landing.draft.clone(), Some(k as u32))).collect();
+        let (change, settled, best) = self.best_of(drafts)?;
+        let Landing { beyond, split: [at, copy, end], draft } = &landings[best? as usize];
+        let (beyond, at, copy, end) = (*beyond, *at, *copy, *end);
+        let places = [at, copy].map(|v| draft.point(v));
+        drop(landings);
+        self.apply(&change, &settled.places);
+        self.scene.editor.place(at, places[0].into());
+        self.scene.editor.place(copy, places[1].into());
+        self.scene.features.remove(&[at.min(end), at.max(end)]);
+        self.scene.features.extend([[at, copy], [end.min(copy), end.max(copy)]]);
+        added[usize::from(beyond.is_some())] += 1;
+        Some(beyond)
+    }
+
+    /// The point of the surface's features that is nearest to a point.
+    fn on_feature(&self, point: DVec3) -> DVec3 {
         let surface = self.surface;
         (0..3 * surface.triangle_count() as u32)
             .filter(|&h| surface.features().is_feature(h))
             .map(|h| {
                 let [a, b] = [surface.origin(h), surface.target(h)].map(|v| DVec3::from(surface.point(v)));
-                nearest_on_segment(middle, a, b)
+                nearest_on_segment(point, a, b)
             })
-            .min_by(|p, q| p.distance_squared(middle).total_cmp(&q.distance_squared(middle)))
-            .unwrap_or(middle)
+            .min_by(|p, q| p.distance_squared(point).total_cmp(&q.distance_squared(point)))
+            .unwrap_or(point)
     }
-}
-
-/// The ways to make a triangle a quad by a vertex on its side from `x` to `y`: the face beyond has a side more then, and
-/// is cut into a quad and a triangle, whose id comes with the draft.
-fn crossings<'a>(
-    draft: &Draft<'a>,
-    triangle: u32,
-    [x, y]: [u32; 2],
-    next: u32,
-    place: DVec3,
-) -> Vec<(Draft<'a>, Option<u32>)> {
-    let mut crossed = draft.clone();
-    let middle = crossed.copy(x);
-    crossed.place(middle, place);
-    let apex = draft.face(triangle).iter().find(|v| ![x, y].contains(v)).copied();
-    crossed.set_face(triangle, &[x, middle, y, apex.expect("a triangle has three corners")]);
-    if next == OUTSIDE {
-        return vec![(crossed, None)];
-    }
-    let beyond = draft.face(next);
-    let at = beyond.iter().position(|&v| v == y).expect("the face has the side");
-    let corner = |k: usize| beyond[(at + k) % beyond.len()];
-    if beyond.len() == 3 {
-        crossed.set_face(next, &[y, middle, x, corner(2)]);
-        return vec![(crossed, None)];
-    }
-    let (u, v) = (corner(2), corner(3));
-    [([middle, x, u], [middle, u, v, y]), ([v, y, middle], [middle, x, u, v])]
-        .into_iter()
-        .map(|(triangle, quad)| {
-            let mut cut = crossed.clone();
-            cut.set_face(next, &triangle);
-            cut.add_face(&quad);
-            (cut, Some(next))
-        })
-        .collect()
 }

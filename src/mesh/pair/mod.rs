@@ -1,10 +1,27 @@
-//! Triangles that meet: they walk, rows between them go or come, and quads remain.
+//! Triangles that meet: they walk, rows between them come or go, and quads remain.
 //!
 //! # Theory
-//! A triangle in a mesh of quads is where a row ends (a dislocation): two such ends cancel, or make a vertex of valence 3 and
-//! one of valence 5. Which pairs, and on which way, is a search over drafts: from each triangle in turn, steps ([`step`])
-//! and rows ([`rows`]), the cheapest first by how far valences are from what they should be. The best few are settled
-//! ([`settle`]): the vertices about them move to where they would in the end, and the shapes that result decide.
+//! In a mesh of quads a triangle with a vertex of valence 5 is where a row ends (a dislocation). Two such ends that face each
+//! other cancel when the row between them goes; two that look away from each other, when a row is put in between; and a
+//! triangle walks, since with the quad beside it it forms a pentagon that can be cut anew. Along the column beside it a walk
+//! costs nothing (it glides), in other directions it leaves a vertex of valence 3 and one of valence 5 behind.
+//!
+//! From each triangle a uniform-cost search goes over its steps ([`step`]) and tries rows ([`rows`]) from the cheap ones,
+//! where cost is the growth of the sum of squared differences of valences from what they should be: 4, and on features
+//! one face for each right angle. The cheapest ends are settled ([`settle`]): the vertices about them move to where they will
+//! be in the end, and the shapes that result decide. Changes are made in the order of their gains, judged once more
+//! when they are made; triangles near a change are looked at again in the next round.
+//!
+//! # Changes versus the paper
+//! The paper has nothing of this; see design section 8 ("beyond the paper").
+//!
+//! # Practice
+//! All eight models and the example at 6,000 points, with the periodic sowing: Qr 0.972 -> 0.991 on average, irregular
+//! vertices 2.7 %, Qg 0.950. With random sowing, on m6_gen, fish_blub, anchor and plane: a price of 0.5 instead of 1 gives Qr
+//! 0.981 for 0.986 and Qg 0.003 more; rows of 5 or 14 quads instead of 8 and 200 drafts instead of 30 change Qr by less
+//! than 0.002; 3 rings settled in 12 sweeps instead of 2 in 6 give Qg 0.003 more and take twice the time. Re-cutting the
+//! whole strip between two triangles in the best way, with all vertices where they are, as was done before, paired next
+//! to none: a strip that leans by half a square is refused for its shape before smoothing.
 
 mod draft;
 mod far;
@@ -269,7 +286,7 @@ impl<'a> Work<'a> {
         for &source in &change.copies {
             self.scene.editor.add_vertex(self.scene.editor.point(source));
             self.scene.normals.push(self.scene.normals[source as usize]);
-            self.scene.ideal.push(4);
+            self.scene.ideal.push(self.scene.ideal[source as usize]);
             self.scene.fixed.push(self.scene.fixed[source as usize]);
             self.below.push(self.below[source as usize]);
         }

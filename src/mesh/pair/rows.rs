@@ -102,6 +102,7 @@ fn rename(draft: &mut Draft, from: u32, to: u32, which: impl Fn(u32) -> bool) ->
 }
 
 /// A vertex of the line that a new row opens: its faces to the right and to the left of the way.
+#[derive(Clone)]
 struct Opening {
     vertex: u32,
     right: Vec<u32>,
@@ -119,13 +120,21 @@ struct Opening {
 ///   o           o           o---z'--o---w'--o
 /// ```
 pub(super) fn put_in<'a>(draft: &Draft<'a>, triangle: u32, apex: u32, within: Within) -> Vec<(f64, Draft<'a>)> {
-    let mut lines = Lines { draft, triangle, within, line: Vec::new(), rows: Vec::new() };
-    if !draft.is_fixed(apex)
-        && let Some(fan) = draft.fan(apex, triangle)
-    {
-        lines.leave(apex, &fan[1..], 0.0);
-    }
-    lines.rows
+    Lines::from(draft, triangle, apex, within).rows
+}
+
+/// A row from a triangle to a feature, which gets a vertex more there; beyond it there is a triangle then.
+pub(super) struct Landing<'a> {
+    pub(super) draft: Draft<'a>,
+    /// The triangle beyond, unless the feature is a boundary.
+    pub(super) beyond: Option<u32>,
+    /// The vertex that the line came to, its copy, and the next vertex of the feature on the copy's side.
+    pub(super) split: [u32; 3],
+}
+
+/// All rows that can be put in from a triangle's corner `apex` to a feature.
+pub(super) fn land<'a>(draft: &Draft<'a>, triangle: u32, apex: u32, within: Within) -> Vec<Landing<'a>> {
+    Lines::from(draft, triangle, apex, within).landings
 }
 
 /// The search for lines, as straight as the vertices on them allow.
@@ -135,9 +144,21 @@ struct Lines<'a, 'b> {
     within: Within,
     line: Vec<Opening>,
     rows: Vec<(f64, Draft<'a>)>,
+    landings: Vec<Landing<'a>>,
 }
 
-impl Lines<'_, '_> {
+impl<'a, 'b> Lines<'a, 'b> {
+    fn from(draft: &'b Draft<'a>, triangle: u32, apex: u32, within: Within) -> Self {
+        let mut lines =
+            Self { draft, triangle, within, line: Vec::new(), rows: Vec::new(), landings: Vec::new() };
+        if !draft.is_fixed(apex)
+            && let Some(fan) = draft.fan(apex, triangle)
+        {
+            lines.leave(apex, &fan[1..], 0.0);
+        }
+        lines
+    }
+
     /// Tries all ways between the faces, counter-clockwise, of a vertex that the line has come to; `cost` is that of the
     /// line so far.
     fn leave(&mut self, vertex: u32, fan: &[u32], cost: f64) {
@@ -166,11 +187,50 @@ impl Lines<'_, '_> {
         }
     }
 
+    /// Ends the line at a vertex of a feature that has two faces on either side, or on its only one.
+    fn land(&self, at: u32, from: u32) -> Option<Landing<'a>> {
+        let draft = self.draft;
+        let (right, left) = (draft.left(at, from)?, draft.left(from, at)?);
+        let ends = [draft.wings(right, at)[0], draft.wings(left, at)[1]];
+        let ways = ends.map(|end| (draft.point(end) - draft.point(at)).normalize_or_zero());
+        if ends.iter().any(|&end| draft.across(at, end).is_some() || draft.across(end, at).is_some())
+            || ways[0].dot(ways[1]) > -STRAIGHT
+        {
+            return None;
+        }
+        let far = [draft.left(at, ends[0]), draft.left(ends[1], at)];
+        let mut result = draft.clone();
+        let mut line: Vec<Opening> = self.line.iter().map(Opening::clone).collect();
+        line.push(Opening { vertex: at, right: vec![right].into_iter().chain(far[0]).collect(), left: vec![left] });
+        let pairs = open_from(&mut result, draft, self.triangle, &line)?;
+        let copy = pairs[pairs.len() - 1][1];
+        // Three even gaps where there were two.
+        for (v, end) in [(at, ends[1]), (copy, ends[0])] {
+            result.place(v, draft.point(at).lerp(draft.point(end), 1.0 / 3.0));
+        }
+        let beyond = match far {
+            [None, None] => None,
+            [Some(near_right), Some(near_left)] => {
+                let inner = draft.wings(near_right, at)[0];
+                if draft.wings(near_left, at)[1] != inner {
+                    return None;
+                }
+                Some(result.add_face(&[copy, inner, at]))
+            }
+            _ => return None,
+        };
+        Some(Landing { draft: result, beyond, split: [at, copy, ends[0]] })
+    }
+
     /// Goes on from the last vertex of the line, between its right and left faces.
     fn follow(&mut self, cost: f64) {
         let Opening { vertex: from, left, .. } = &self.line[self.line.len() - 1];
         let at = self.draft.wings(left[0], *from)[1];
-        if self.draft.is_fixed(at) || self.line.iter().any(|opening| opening.vertex == at) {
+        if self.draft.is_fixed(at) {
+            self.landings.extend(self.land(at, *from));
+            return;
+        }
+        if self.line.iter().any(|opening| opening.vertex == at) {
             return;
         }
         if let Some(fan) = self.draft.left(at, *from).and_then(|first| self.draft.fan(at, first)) {
@@ -179,30 +239,41 @@ impl Lines<'_, '_> {
     }
 }
 
-/// Opens a line between two triangles.
-fn open<'a>(draft: &Draft<'a>, start: u32, end: u32, line: &[Opening]) -> Option<Draft<'a>> {
-    let mut result = draft.clone();
+/// A feature that turns by more than this, as a cosine, at the end of a line has a corner there.
+const STRAIGHT: f64 = 0.7;
+
+/// Opens a line that begins at a triangle: a quad for each of its edges, and one for the triangle. The pairs that its
+/// vertices have become, the left ones first.
+fn open_from(result: &mut Draft, draft: &Draft, start: u32, line: &[Opening]) -> Option<Vec<[u32; 2]>> {
     let mut pairs = Vec::new();
     for Opening { vertex, right, left } in line {
         let copy = result.copy(*vertex);
-        let middle = |faces: &[u32]| {
+        let here = draft.point(*vertex);
+        let towards = |faces: &[u32]| {
             let corners = faces.iter().flat_map(|face| draft.face(*face));
-            corners.clone().map(|v| draft.point(*v)).sum::<DVec3>() / corners.count().max(1) as f64
+            let middle = corners.clone().map(|v| draft.point(*v)).sum::<DVec3>() / corners.count().max(1) as f64;
+            (here + middle) / 2.0
         };
-        let (here, share) = (draft.point(*vertex), 0.5);
-        let places = [here.lerp(middle(left), share), here.lerp(middle(right), share)];
-        rename(&mut result, *vertex, copy, |face| right.contains(&face))?;
-        result.place(*vertex, places[0]);
-        result.place(copy, places[1]);
-        pairs.push((*vertex, copy));
+        rename(result, *vertex, copy, |face| right.contains(&face))?;
+        result.place(*vertex, towards(left));
+        result.place(copy, towards(right));
+        pairs.push([*vertex, copy]);
     }
     for pair in pairs.windows(2) {
-        let [(a, a_right), (b, b_right)] = [pair[0], pair[1]];
+        let [[a, a_right], [b, b_right]] = [pair[0], pair[1]];
         result.add_face(&[a, a_right, b_right, b]);
     }
-    let ((first, first_right), (last, last_right)) = (pairs[0], pairs[pairs.len() - 1]);
+    let [first, first_right] = pairs[0];
     let [y, x] = draft.wings(start, first);
     result.set_face(start, &[first_right, first, x, y]);
+    Some(pairs)
+}
+
+/// Opens a line between two triangles.
+fn open<'a>(draft: &Draft<'a>, start: u32, end: u32, line: &[Opening]) -> Option<Draft<'a>> {
+    let mut result = draft.clone();
+    let pairs = open_from(&mut result, draft, start, line)?;
+    let [last, last_right] = pairs[pairs.len() - 1];
     let [q, p] = draft.wings(end, last);
     result.set_face(end, &[last, last_right, p, q]);
     Some(result)

@@ -1,17 +1,26 @@
 //! What a draft is worth once the vertices round it have settled.
+//!
+//! The vertices move in their tangent planes, to where shape matching ([`regular`]) draws them; the pipeline's smoothing
+//! does the same on the surface in the end.
 
 use super::draft::Draft;
 use crate::mesh::quality::{quad_shape, triangle_shape};
 use crate::mesh::smooth::regular;
 use glam::DVec3;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Vertices so many edges from a changed face move.
+/// Rings of faces about a changed face whose inner vertices move.
 const RINGS: usize = 2;
 /// Sweeps over them.
 const SWEEPS: usize = 6;
 /// The share of the way to its place that a vertex moves in a sweep.
 const STRIDE: f64 = 0.8;
+/// The say of a triangle, in quads.
+const TRIANGLE: f64 = 0.5;
+/// A triangle of a smaller shape is no better than a bad quad.
+const THIN: f64 = 0.1;
+/// A draft may lower the worst shape about it by this share: a shape that nothing changed would fail a sharper test.
+const ROUNDING: f64 = 1e-3;
 
 /// What has become of a draft.
 pub(super) struct Settled {
@@ -19,38 +28,83 @@ pub(super) struct Settled {
     pub(super) places: Vec<(u32, DVec3)>,
     /// How much less is lost of shape, in perfect quads.
     pub(super) gain: f64,
-    /// The faces at the vertices of those that changed.
+    /// The faces that changed and those at their vertices.
     pub(super) core: Vec<u32>,
 }
 
-/// What a face of four sides or fewer lacks of a perfect quad.
-fn loss(points: &[DVec3], price: f64) -> f64 {
+/// Moves the vertices round the changed faces to where these are nearest to squares, and judges the result; `None` where
+/// a quad would be worse than `least` and than all that were there, or a face would look away from the surface.
+///
+/// `price` is what a triangle costs, in perfect quads.
+pub(super) fn settle(draft: &Draft, price: f64, least: f64) -> Option<Settled> {
+    let mut patch = Patch::about(draft);
+    (0..SWEEPS).for_each(|_| patch.sweep());
+
+    let gone = || draft.changed().filter(|(_, corners)| corners.is_empty()).map(|(face, _)| face);
+    let editor = &draft.scene.editor;
+    let (mut gain, mut least) = (0.0, least);
+    for face in gone().chain(patch.faces.iter().copied()).filter(|face| (*face as usize) < editor.face_count()) {
+        let before: Vec<DVec3> = editor.face(face).iter().map(|v| editor.point(*v).into()).collect();
+        gain += loss(&before, price);
+        least = least.min((1.0 - ROUNDING) * quality(&before));
+    }
+    for corners in &patch.corners {
+        let after: Vec<DVec3> = corners.iter().map(|v| patch.points[*v]).collect();
+        gain -= loss(&after, price);
+        if quality(&after) <= least || patch.looks_away(corners, &after) {
+            return None;
+        }
+    }
+    let core = gone().chain(patch.faces[..patch.core].iter().copied()).collect();
+    let places = patch.free.iter().map(|&v| (patch.vertices[v], patch.points[v])).collect();
+    Some(Settled { places, gain, core })
+}
+
+/// The shape of a quad; of triangles those alone count that have hardly any.
+fn quality(points: &[DVec3]) -> f64 {
     match *points {
-        [a, b, c] => price + 0.5 * (1.0 - triangle_shape([a, b, c].map(DVec3::into))),
-        [a, b, c, d] => 1.0 - quad_shape([a, b, c, d].map(DVec3::into)),
-        _ => 0.0,
+        [a, b, c, d] => quad_shape([a, b, c, d].map(DVec3::into)),
+        [a, b, c] if triangle_shape([a, b, c].map(DVec3::into)) < THIN => THIN / 10.0,
+        _ => 1.0,
     }
 }
 
-/// Moves the vertices round the changed faces to where these are nearest to squares, and judges the result; `None` where
-/// a quad would be worse than `least` and than all that were there, or a changed face would look away from the surface.
-pub(super) fn settle(draft: &Draft, price: f64, least: f64) -> Option<Settled> {
-    // The vertices that move, then those about them.
-    let alive = |draft: &Draft, v: &u32| draft.around(*v).next().is_some();
-    let mut vertices: Vec<u32> = draft.touched().into_iter().filter(|v| alive(draft, v)).collect();
-    let mut number: FxHashMap<u32, usize> = vertices.iter().enumerate().map(|(k, v)| (*v, k)).collect();
-    let mut faces: Vec<u32> = Vec::new();
-    let mut face_seen: FxHashMap<u32, ()> = FxHashMap::default();
-    let (mut begin, mut movable, mut core) = (0, 0, 0);
-    for ring in 0..=RINGS {
-        let end = vertices.len();
-        if ring == RINGS {
-            movable = begin;
-        }
-        for k in begin..end {
-            let around: Vec<u32> = draft.around(vertices[k]).collect();
-            for face in around {
-                if face_seen.insert(face, ()).is_none() {
+/// What a face lacks of a perfect quad.
+fn loss(points: &[DVec3], price: f64) -> f64 {
+    match *points {
+        [a, b, c] => price + TRIANGLE * (1.0 - triangle_shape([a, b, c].map(DVec3::into))),
+        _ => 1.0 - quality(points),
+    }
+}
+
+/// The faces about a draft, with numbers of its own for their vertices.
+struct Patch<'a> {
+    draft: &'a Draft<'a>,
+    vertices: Vec<u32>,
+    points: Vec<DVec3>,
+    normals: Vec<DVec3>,
+    faces: Vec<u32>,
+    /// The first of the faces have a vertex of a changed one.
+    core: usize,
+    corners: Vec<Vec<usize>>,
+    /// The vertices that move.
+    free: Vec<usize>,
+    /// For each vertex of `free`, the places that it has in faces.
+    seats: Vec<Vec<(usize, usize)>>,
+}
+
+impl<'a> Patch<'a> {
+    fn about(draft: &'a Draft<'a>) -> Self {
+        let mut vertices = draft.touched();
+        // A vertex that was merged with another has no face.
+        vertices.retain(|v| draft.around(*v).next().is_some());
+        let mut number: FxHashMap<u32, usize> = vertices.iter().enumerate().map(|(k, v)| (*v, k)).collect();
+        let (mut faces, mut seen) = (Vec::new(), FxHashSet::default());
+        let (mut core, mut inner) = (0, 0);
+        for ring in 0..RINGS {
+            let begin = std::mem::replace(&mut inner, vertices.len());
+            for k in begin..inner {
+                for face in draft.around(vertices[k]).filter(|face| seen.insert(*face)) {
                     faces.push(face);
                     for &v in draft.face(face) {
                         number.entry(v).or_insert_with(|| {
@@ -60,75 +114,52 @@ pub(super) fn settle(draft: &Draft, price: f64, least: f64) -> Option<Settled> {
                     }
                 }
             }
-        }
-        if ring == 0 {
-            core = faces.len();
-        }
-        begin = end;
-        if ring + 1 == RINGS {
-            movable = end;
-            break;
-        }
-    }
-    let corners: Vec<Vec<usize>> =
-        faces.iter().map(|face| draft.face(*face).iter().map(|v| number[v]).collect()).collect();
-    let mut around: Vec<Vec<(usize, usize)>> = vec![Vec::new(); movable];
-    for (f, face) in corners.iter().enumerate() {
-        for (place, &v) in face.iter().enumerate() {
-            if v < movable {
-                around[v].push((f, place));
+            if ring == 0 {
+                core = faces.len();
             }
         }
-    }
-    let mut points: Vec<DVec3> = vertices.iter().map(|v| draft.point(*v)).collect();
-    let normals: Vec<DVec3> = vertices.iter().map(|v| draft.normal(*v)).collect();
-    let free: Vec<bool> = vertices.iter().map(|v| !draft.is_fixed(*v)).collect();
-    for _ in 0..SWEEPS {
-        for v in (0..movable).filter(|v| free[*v]) {
-            let mut way = DVec3::ZERO;
-            let mut weight = 0.0;
-            for &(f, place) in &around[v] {
-                let face = &corners[f];
-                let share = if face.len() == 3 { 0.5 } else { 1.0 };
-                way += (regular(face.len(), |k| points[face[(place + k) % face.len()]]) - points[v]) * share;
-                weight += share;
+        let corners: Vec<Vec<usize>> =
+            faces.iter().map(|face| draft.face(*face).iter().map(|v| number[v]).collect()).collect();
+        let mut all_seats = vec![Vec::new(); inner];
+        for (f, face) in corners.iter().enumerate() {
+            for (place, &v) in face.iter().enumerate().filter(|(_, v)| **v < inner) {
+                all_seats[v].push((f, place));
             }
-            let way = way / weight * STRIDE;
-            points[v] += way - normals[v] * normals[v].dot(way);
+        }
+        let free: Vec<usize> = (0..inner).filter(|v| !draft.is_fixed(vertices[*v])).collect();
+        Self {
+            draft,
+            points: vertices.iter().map(|v| draft.point(*v)).collect(),
+            normals: vertices.iter().map(|v| draft.normal(*v)).collect(),
+            seats: free.iter().map(|v| std::mem::take(&mut all_seats[*v])).collect(),
+            vertices,
+            faces,
+            core,
+            corners,
+            free,
         }
     }
 
-    let editor = &draft.scene.editor;
-    let before = |face: u32| -> Vec<DVec3> {
-        let known = if (face as usize) < editor.face_count() { editor.face(face) } else { &[] };
-        known.iter().map(|v| DVec3::from(editor.point(*v))).collect()
-    };
-    let gone: Vec<u32> = draft.changed().filter(|(_, corners)| corners.is_empty()).map(|(face, _)| face).collect();
-    let shape = |points: &[DVec3]| match *points {
-        [a, b, c, d] => quad_shape([a, b, c, d].map(DVec3::into)),
-        [a, b, c] => triangle_shape([a, b, c].map(DVec3::into)),
-        _ => 1.0,
-    };
-    let (mut gain, mut worst_before) = (0.0, f64::INFINITY);
-    for &face in faces.iter().chain(&gone) {
-        let places = before(face);
-        gain += loss(&places, price);
-        if places.len() == 4 {
-            worst_before = worst_before.min(shape(&places));
+    fn sweep(&mut self) {
+        for (&v, seats) in self.free.iter().zip(&self.seats) {
+            let (mut way, mut weight) = (DVec3::ZERO, 0.0);
+            for &(f, place) in seats {
+                let face = &self.corners[f];
+                let share = if face.len() == 3 { TRIANGLE } else { 1.0 };
+                let ideal = regular(face.len(), |k| self.points[face[(place + k) % face.len()]]);
+                way += (ideal - self.points[v]) * share;
+                weight += share;
+            }
+            let (way, normal) = (way * (STRIDE / weight), self.normals[v]);
+            self.points[v] += way - normal * normal.dot(way);
         }
     }
-    let least = least.min(0.999 * worst_before);
-    for face in &corners {
-        let places: Vec<DVec3> = face.iter().map(|v| points[*v]).collect();
-        gain -= loss(&places, price);
-        // On features normals are rough.
-        let up: DVec3 = face.iter().filter(|v| free[**v]).map(|v| normals[*v]).sum();
+
+    /// Whether a face lies upside down; not where all of its vertices are on features, whose normals are rough.
+    fn looks_away(&self, corners: &[usize], places: &[DVec3]) -> bool {
+        let free = corners.iter().filter(|v| !self.draft.is_fixed(self.vertices[**v]));
+        let up: DVec3 = free.map(|v| self.normals[*v]).sum();
         let area = (2..places.len()).map(|k| (places[k - 1] - places[0]).cross(places[k] - places[0])).sum::<DVec3>();
-        if places.len() == 4 && shape(&places) <= least || area.dot(up) < 0.0 {
-            return None;
-        }
+        area.dot(up) < 0.0
     }
-    let places = (0..movable).filter(|v| free[*v]).map(|v| (vertices[v], points[v])).collect();
-    let core = gone.iter().chain(&faces[..core]).copied().collect();
-    Some(Settled { places, gain, core })
 }
