@@ -10,6 +10,8 @@ mod geometry;
 pub mod gpu;
 pub mod mesh;
 pub mod mosaic;
+pub mod picture;
 pub mod pipeline;
 pub mod report;
+pub mod study;
 pub mod surface;

@@ -16,7 +16,7 @@ use crate::mesh::regions::with_regions;
 use crate::mesh::smooth::{Smoothed, smooth};
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Mesh, Triangulation};
-use crate::mosaic::{self, Effort, Layer, Mosaic};
+use crate::mosaic::{self, Effort, Layer, Mosaic, Rows};
 use crate::surface::{FeatureOptions, NONE, NamedEdge, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -41,6 +41,12 @@ pub struct Options {
     pub edges: Vec<NamedEdge>,
     /// What draws the field beside features.
     pub field: FieldOptions,
+    /// Whether rows of tiles may end.
+    pub rows: Rows,
+    /// How far sides follow the field so that rows need not end, from 0 (not at all) to 1. Default 0.
+    pub fit: f64,
+    /// The largest side over the mean one, and the mean over the smallest, that fitting may ask for. Default 2.5.
+    pub fit_range: f64,
     /// When two tiles are connected.
     pub connect: ConnectOptions,
     /// What to do with holes.
@@ -61,6 +67,9 @@ impl Options {
             features: FeatureOptions::default(),
             edges: Vec::new(),
             field: FieldOptions::default(),
+            rows: Rows::default(),
+            fit: 0.0,
+            fit_range: 2.5,
             connect: ConnectOptions::default(),
             holes: Holes::default(),
             cleanup: Some(CleanOptions::default()),
@@ -122,7 +131,7 @@ pub enum PipelineError {
     Fineness(String),
 }
 
-/// Everything that the method made on the way; coordinates are unit-sized but for `before` and `mesh`.
+/// Everything that the method made on the way; coordinates are unit-sized but for those of meshes.
 pub struct Outcome {
     /// The surface.
     pub surface: Surface,
@@ -151,6 +160,22 @@ pub struct Outcome {
 /// Passes of smoothing before the pairing.
 const CALMING: usize = 2;
 
+/// What connecting tiles gives: a part of [`Outcome`].
+pub struct Meshed {
+    /// The mesh before clean-up, in model units.
+    pub before: Mesh,
+    /// The mesh, in model units.
+    pub mesh: Mesh,
+    /// Whether sheets of the surface meet at each of its vertices.
+    pub branches: Vec<bool>,
+    /// Holes of the connected mosaic, before they were filled.
+    pub holes: usize,
+    /// What the clean-up did.
+    pub cleaned: Option<CleanCounts>,
+    /// What the pairing of triangles did.
+    pub paired: Option<PairCounts>,
+}
+
 /// Fewest and most vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 
@@ -173,14 +198,34 @@ pub fn run(
     let field = field(&surface, count, options, backend)?;
 
     clock.begin(Stage::Mosaic);
-    let mosaic = lay(&surface, &field, backend, count, &|share| progress(Stage::Mosaic, share))?;
+    let mosaic = lay(&surface, &field, backend, count, options, &|share| progress(Stage::Mosaic, share))?;
 
     clock.begin(Stage::Connect);
     let triangulation = triangulate(&surface, &field, &mosaic);
-    let edges = connect(&triangulation, &options.connect);
+    let Meshed { before, mesh, branches, holes, cleaned, paired } =
+        meshed(&surface, &mosaic, &triangulation, options, &mut clock);
+
+    let times = clock.finish();
+    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned, paired, times })
+}
+
+/// Connects tiles that are triangulated already: as [`run`] does, but for what comes before.
+pub fn connected(surface: &Surface, mosaic: &Mosaic, triangulation: &Triangulation, options: &Options) -> Meshed {
+    let mut clock = Clock { progress: &|_, _| (), times: Vec::new(), started: Instant::now() };
+    meshed(surface, mosaic, triangulation, options, &mut clock)
+}
+
+fn meshed(
+    surface: &Surface,
+    mosaic: &Mosaic,
+    triangulation: &Triangulation,
+    options: &Options,
+    clock: &mut Clock,
+) -> Meshed {
+    let edges = connect(triangulation, &options.connect);
 
     clock.begin(Stage::Fill);
-    let (filled, holes) = fill(&triangulation, &edges, options.holes);
+    let (filled, holes) = fill(triangulation, &edges, options.holes);
 
     clock.begin(Stage::Clean);
     let anchors = triangulation.anchors();
@@ -197,12 +242,12 @@ pub fn run(
     let below = triangulation.free_triangles(&kept);
 
     clock.begin(Stage::Pair);
-    let (paired, below, kept, pairs) = match &options.pairing {
+    let (quads, below, kept, pairs) = match &options.pairing {
         Some(pairing) => {
             // Drafts are judged by what smoothing makes of them, so what they are compared with is smoothed too.
-            let calm = smooth(&surface, &cleaned, &below, options.smoothing.min(CALMING));
+            let calm = smooth(surface, &cleaned, &below, options.smoothing.min(CALMING));
             let Paired { mesh, kept: of_cleaned, below, counts } =
-                pair(&surface, &calm.mesh, &anchors.of(&kept), &calm.below, pairing);
+                pair(surface, &calm.mesh, &anchors.of(&kept), &calm.below, pairing);
             let kept = of_cleaned.iter().map(|&v| kept.get(v as usize).copied().unwrap_or(NONE)).collect();
             (mesh, below, kept, Some(counts))
         }
@@ -210,26 +255,12 @@ pub fn run(
     };
 
     clock.begin(Stage::Smooth);
-    let Smoothed { mesh: smoothed, below } = smooth(&surface, &paired, &below, options.smoothing);
+    let Smoothed { mesh: smoothed, below } = smooth(surface, &quads, &below, options.smoothing);
     let before = join(&filled, &triangulation.same_place).mesh;
-    let named = with_regions(&smoothed, &surface, &mosaic, &below, &kept);
+    let named = with_regions(&smoothed, surface, mosaic, &below, &kept);
     let Joined { mesh, branches } = join(&named, &triangulation.joints(&kept));
-
-    let times = clock.finish();
     let [before, mesh] = [before, mesh].map(|mesh| mesh.placed(surface.frame()));
-    Ok(Outcome {
-        surface,
-        field,
-        mosaic,
-        triangulation,
-        before,
-        mesh,
-        branches,
-        holes,
-        cleaned: counts,
-        paired: pairs,
-        times,
-    })
+    Meshed { before, mesh, branches, holes, cleaned: counts, paired: pairs }
 }
 
 /// The surface, with the features that tiles so fine can show, and how many vertices are wanted.
@@ -257,15 +288,21 @@ pub fn field(surface: &Surface, count: usize, options: &Options, backend: &dyn B
     Field::new(surface, &FieldOptions { align, ..options.field.clone() }, backend)
 }
 
-fn lay(
+/// A mosaic of nearly `count` tiles; `progress` is told how far it is, from 0 to 1.
+///
+/// # Errors
+/// Where the backend fails.
+pub fn lay(
     surface: &Surface,
     field: &Field,
     backend: &dyn Backend,
     count: usize,
+    options: &Options,
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
     let ground = backend.ground(surface, field)?;
-    Layer { surface, field, backend, ground: &*ground, effort: Effort::default(), progress }.with_count(count)
+    Layer { surface, field, backend, ground: &*ground, effort: Effort::default(), rows: options.rows, progress }
+        .with_count(count)
 }
 
 /// How many vertices that makes.

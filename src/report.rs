@@ -6,6 +6,7 @@ use crate::mesh::check::{Faults, check_joined};
 use crate::mesh::clean::CleanCounts;
 use crate::mesh::pair::PairCounts;
 use crate::mesh::quality::Quality;
+use crate::mosaic::{Mosaic, fit::Fit};
 use crate::pipeline::{Fineness, Options, Outcome};
 use crate::surface::{Repairs, Surface};
 use serde::Serialize;
@@ -138,10 +139,7 @@ impl Report {
             version: VERSION,
             program: PROGRAM.to_owned(),
             surface: Input::new(name, surface),
-            asked: match options.fineness {
-                Fineness::Points(count) => Asked::Points(count),
-                Fineness::Size(size) => Asked::Size(size),
-            },
+            asked: Asked::new(options.fineness),
             backend: Device::new(backend),
             field: FieldFigures::new(surface, &outcome.field),
             mosaic: Tiles {
@@ -195,6 +193,61 @@ impl FieldReport {
             surface: Input::new(name, surface),
             backend: Device::new(backend),
             field: FieldFigures::new(surface, field),
+        }
+    }
+}
+
+/// A mosaic in figures.
+#[derive(Clone, Debug, Serialize)]
+pub struct MosaicReport {
+    /// [`VERSION`].
+    pub version: u32,
+    /// The program's name and version.
+    pub program: String,
+    /// What was read.
+    pub surface: Input,
+    /// What was asked for.
+    pub asked: Asked,
+    /// Where the heavy stages ran.
+    pub backend: Device,
+    /// The cross field.
+    pub field: FieldFigures,
+    /// Tiles.
+    pub tiles: usize,
+    /// Those of them that lie on features.
+    pub on_features: usize,
+    /// How well they sit.
+    pub fit: Fit,
+}
+
+impl MosaicReport {
+    /// Says what there is to say about the mosaic, and its fit, of the surface called `name`.
+    pub fn new(
+        name: &str,
+        options: &Options,
+        backend: &dyn Backend,
+        (surface, field, mosaic): (&Surface, &Field, &Mosaic),
+        fit: Fit,
+    ) -> Self {
+        Self {
+            version: VERSION,
+            program: PROGRAM.to_owned(),
+            surface: Input::new(name, surface),
+            asked: Asked::new(options.fineness),
+            backend: Device::new(backend),
+            field: FieldFigures::new(surface, field),
+            tiles: mosaic.count(),
+            on_features: mosaic.sites.len(),
+            fit,
+        }
+    }
+}
+
+impl Asked {
+    fn new(fineness: Fineness) -> Self {
+        match fineness {
+            Fineness::Points(count) => Self::Points(count),
+            Fineness::Size(size) => Self::Size(size),
         }
     }
 }

@@ -37,7 +37,7 @@ impl Desk {
         let mut program = Command::new(env!("CARGO_BIN_EXE_quadmosaic"));
         program.args(arguments);
         // What the machine has must not decide what is tested; drivers print messages of their own, too.
-        if matches!(arguments.first(), Some(&("mesh" | "field"))) {
+        if matches!(arguments.first(), Some(&("mesh" | "field" | "mosaic" | "study"))) {
             program.args(["--backend", "cpu"]);
         }
         program.current_dir(self.folder.path());
@@ -566,4 +566,104 @@ fn help_explains_every_subcommand() {
     }
     assert!(desk.said(&["--version"]).starts_with("quadmosaic "));
     desk.said(&["devices"]);
+}
+
+#[test]
+fn pictures_of_all_kinds_are_drawn() {
+    let desk = Desk::new();
+    desk.put("square.obj", format!("{SQUARE}f 1 2 3 4\n"));
+    let small = ["--size", "120x90"];
+    let draw = |arguments: &[&str]| {
+        let said = desk.said(&[&["picture"], arguments, &small[..]].concat());
+        assert_eq!(said, "", "a picture says nothing");
+    };
+    draw(&["square.obj", "-o", "mesh.png"]);
+    draw(&["square.obj", "-o", "mesh.svg", "--view", "top", "--colour", "quality", "--zoom-to", "0.5,0.5,0,0.2"]);
+    draw(&["example:sphere:500", "-o", "surface.png", "--view", "-1,0.5,0.2", "--up", "0,1,0"]);
+    draw(&["example:torus:500", "-o", "field.png", "--field", "--backend", "cpu"]);
+    draw(&["example:torus:500", "-o", "crosses.svg", "--field=crosses", "--backend", "cpu", "--crease", "30"]);
+    draw(&[
+        "example:torus:500",
+        "-o",
+        "mosaic.png",
+        "--mosaic",
+        "--points",
+        "200",
+        "--grout",
+        "0.2",
+        "--backend",
+        "cpu",
+    ]);
+    for name in desk.names().iter().filter(|name| name.ends_with(".png")) {
+        let bytes = desk.bytes(name);
+        assert_eq!(bytes[..8], *b"\x89PNG\r\n\x1a\n", "{name}");
+        assert_eq!(bytes[16..24], [0, 0, 0, 120, 0, 0, 0, 90], "{name}");
+    }
+    let svg = text(&desk.bytes("mesh.svg"));
+    assert!(svg.contains("viewBox=\"0 0 120 90\"") && svg.contains("shape: Qg, Tg"), "{svg}");
+    assert_eq!(desk.names().len(), 7);
+    desk.said(&["mesh", "example:sphere:500", "--points", "100", "-o", "out.obj", "--picture", "out.png", "-q"]);
+    assert_eq!(desk.bytes("out.png")[16..24], [0, 0, 6, 64, 0, 0, 4, 176]);
+}
+
+#[test]
+fn pictures_that_cannot_be_are_refused() {
+    let desk = Desk::new();
+    desk.put("square.obj", format!("{SQUARE}f 1 2 3 4\n"));
+    let refused = |code, arguments: &[&str], part: &str| {
+        let message = desk.refusal(code, &[&["picture", "square.obj"], arguments].concat());
+        assert!(message.contains(part), "{message}");
+    };
+    refused(2, &["-o", "a.jpg"], ".png or .svg");
+    refused(2, &["-o", "a.png", "--size", "1600"], "1600x1200");
+    refused(1, &["-o", "a.png", "--size", "1600x1"], "16 to 16384");
+    refused(2, &["-o", "a.png", "--view", "sideways"], "three-quarter");
+    refused(2, &["-o", "a.png", "--zoom-to", "0,0,1"], "4 numbers");
+    refused(1, &["-o", "a.png", "--zoom-to", "0,0,0,0"], "radius");
+    refused(1, &["-o", "a.png", "--view", "0,0,0"], "leads nowhere");
+    refused(1, &["-o", "a.png", "--view", "top", "--up", "0,0,1"], "line of sight");
+    refused(1, &["-o", "none/a.png"], "no such folder");
+    refused(2, &["-o", "a.png", "--grout", "0.1"], "required arguments");
+    refused(2, &["-o", "a.png", "--mosaic", "--field"], "cannot be used with");
+}
+
+#[test]
+fn the_tiles_of_a_mesh_are_its_vertices() {
+    let desk = Desk::new();
+    let common = ["example:torus:2000", "--points", "600"];
+    desk.said(&[&["mesh"], &common[..], &["-o", "mesh.obj", "--report", "mesh.json", "-q"]].concat());
+    let said = desk.said(&[&["mosaic"], &common[..], &["-o", "tiles.obj", "--report", "tiles.json"]].concat());
+    let [mesh, tiles]: [Value; 2] =
+        ["mesh.json", "tiles.json"].map(|name| serde_json::from_slice(&desk.bytes(name)).expect("it is JSON"));
+    assert_eq!(mesh["mosaic"]["tiles"], tiles["tiles"]);
+    let squares = read_mesh(&desk.path("tiles.obj")).expect("it is a mesh");
+    assert_eq!(tiles["tiles"], squares.face_count());
+    assert_eq!(faces(&squares, 4), squares.face_count(), "a torus has no features");
+    let coverage = tiles["fit"]["coverage"].as_f64().expect("a number");
+    assert!(coverage > 0.85 && coverage <= 1.0, "{coverage}");
+    for part in [format!("coverage  {coverage:.4}"), "overlap".to_owned(), "degrees between neighbours".to_owned()] {
+        assert!(said.contains(&part), "no {part:?} in:\n{said}");
+    }
+
+    desk.said(&[&["mosaic"], &common[..], &["-o", "tiles.ply", "--picture", "tiles.png", "-q"]].concat());
+    let coloured = read_mesh(&desk.path("tiles.ply")).expect("it is a mesh");
+    assert_eq!(coloured.face_count(), squares.face_count());
+    assert!(desk.refusal(2, &["mosaic", "example:torus", "-o", "tiles.stl"]).contains(".obj or .ply"));
+    assert!(desk.refusal(2, &["mosaic", "example:torus", "-o", "a.obj", "--grout", "1"]).contains("0 to 0.9"));
+}
+
+#[test]
+fn a_study_fills_its_folder_and_says_what_it_found() {
+    let desk = Desk::new();
+    let arguments = ["study", "example:torus:500", "example:torus:500", "-o", "new/study", "--points", "150"];
+    assert!(desk.refusal(1, &arguments).contains("given twice"));
+    let sweep = ["--angles", "20,30", "--distances", "1.6"];
+    let said = desk.said(&[&arguments[..2], &arguments[3..], &sweep].concat());
+    assert!(said.starts_with("example:torus:500, 150 points: Qr ") && said.contains("study.html"), "{said}");
+    let csv = text(&desk.bytes("new/study/study.csv"));
+    assert_eq!(csv.lines().count(), 3, "{csv}");
+    assert!(desk.path("new/study/torus_500-qr.png").is_file());
+    for (option, wrong) in [("--points", "6000,1"), ("--angles", "30,50"), ("--distances", "0.5"), ("--angles", "")] {
+        desk.refusal(2, &["study", "example:torus", "-o", "s", option, wrong]);
+    }
 }

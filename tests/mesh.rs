@@ -12,7 +12,7 @@ use quadmosaic::mesh::quality::{Quality, quad_shape, triangle_shape};
 use quadmosaic::mesh::smooth::smooth;
 use quadmosaic::mesh::triangulate::triangulate;
 use quadmosaic::mesh::{Mesh, Triangulation};
-use quadmosaic::mosaic::{Effort, Layer, Mosaic};
+use quadmosaic::mosaic::{Effort, Layer, Mosaic, Rows};
 use quadmosaic::surface::Surface;
 
 const COUNT: usize = 1_000;
@@ -27,6 +27,7 @@ fn tiled(name: &str) -> (Surface, Mosaic, Triangulation) {
         backend: &Cpu,
         ground: &*ground,
         effort: Effort::default(),
+        rows: Rows::Paper,
         progress: &|_| {},
     };
     let mosaic = layer.with_count(COUNT).expect("the CPU does not fail");

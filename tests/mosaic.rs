@@ -6,7 +6,7 @@ use common::surfaces::{EXAMPLES, example, surface, unit_corners};
 use glam::DVec3;
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::field::{Field, FieldOptions};
-use quadmosaic::mosaic::{Effort, Layer, Mosaic, Rulers, Seat, Tile, seat, side_for_count, sow};
+use quadmosaic::mosaic::{Effort, Layer, Mosaic, Rows, Rulers, Seat, Tile, seat, side_for_count, sow};
 use quadmosaic::surface::{Soup, Surface};
 use std::collections::HashSet;
 
@@ -14,7 +14,15 @@ const COUNT: usize = 2_000;
 
 fn laid(surface: &Surface, field: &Field, count: usize) -> Mosaic {
     let ground = Cpu.ground(surface, field).expect("the CPU does not fail");
-    let layer = Layer { surface, field, backend: &Cpu, ground: &*ground, effort: Effort::default(), progress: &|_| {} };
+    let layer = Layer {
+        surface,
+        field,
+        backend: &Cpu,
+        ground: &*ground,
+        effort: Effort::default(),
+        rows: Rows::Paper,
+        progress: &|_| {},
+    };
     layer.with_count(count).expect("the CPU does not fail")
 }
 

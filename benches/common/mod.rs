@@ -8,7 +8,7 @@ use quadmosaic::mesh::connect::{ConnectOptions, connect};
 use quadmosaic::mesh::fill::{Holes, fill};
 use quadmosaic::mesh::triangulate::triangulate;
 use quadmosaic::mesh::{Mesh, Triangulation};
-use quadmosaic::mosaic::{Effort, Layer, Mosaic};
+use quadmosaic::mosaic::{Effort, Layer, Mosaic, Rows};
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Soup, Surface};
 use std::time::Duration;
@@ -40,7 +40,15 @@ pub fn field(surface: &Surface) -> Field {
 
 pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {
     let ground = Cpu.ground(surface, field).expect("the CPU does not fail");
-    let layer = Layer { surface, field, backend: &Cpu, ground: &*ground, effort: Effort::default(), progress: &|_| {} };
+    let layer = Layer {
+        surface,
+        field,
+        backend: &Cpu,
+        ground: &*ground,
+        effort: Effort::default(),
+        rows: Rows::Paper,
+        progress: &|_| {},
+    };
     layer.with_count(POINTS).expect("the CPU does not fail")
 }
 

@@ -24,7 +24,8 @@ impl Wanted {
     }
 }
 
-fn points(text: &str) -> Result<usize, String> {
+/// A number of vertices that can be asked for.
+pub fn points(text: &str) -> Result<usize, String> {
     let refusal = || format!("ask for {} to {} vertices", POINTS.start(), POINTS.end());
     text.parse().ok().filter(|count| POINTS.contains(count)).ok_or_else(refusal)
 }

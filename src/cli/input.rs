@@ -1,6 +1,7 @@
 //! What is meshed: a file, standard input, or an example surface by name.
 
 use clap::{Args, CommandFactory, error::ErrorKind};
+use quadmosaic::mesh::{Mesh, read_mesh_as};
 use quadmosaic::surface::Soup;
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::load::{self, Format};
@@ -31,16 +32,18 @@ impl Source {
     /// # Errors
     /// Where they cannot be read; the message names the file.
     pub fn read(&self) -> anyhow::Result<Soup> {
-        let name = self.to_string();
-        Ok(match &self.input {
-            Input::File(path) => load::read_as(path, self.format)?,
-            Input::Standard => load::read_stream(io::stdin().lock(), &name, self.format)?,
-            Input::Example { .. } if self.format.is_some() => {
-                let message = "--format goes with a file or standard input only";
-                return Err(super::Arguments::command().error(ErrorKind::ArgumentConflict, message).into());
-            }
-            Input::Example { example, triangles, .. } => example.generate(*triangles),
-        })
+        self.input.read(self.format)
+    }
+
+    /// The same with polygons as they are in a file; from elsewhere all are triangles.
+    ///
+    /// # Errors
+    /// As [`Source::read`].
+    pub fn read_mesh(&self) -> anyhow::Result<Mesh> {
+        match &self.input {
+            Input::File(path) => Ok(read_mesh_as(path, self.format)?),
+            _ => Ok(self.read()?.into()),
+        }
     }
 
     /// The path, where it is a file.
@@ -54,20 +57,54 @@ impl Source {
 
 impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.input {
-            Input::File(path) => write!(f, "{}", path.display()),
-            Input::Standard => write!(f, "standard input"),
-            Input::Example { name, .. } => write!(f, "{name}"),
-        }
+        self.input.fmt(f)
     }
 }
 
 /// Where a surface comes from.
 #[derive(Clone, Debug)]
-enum Input {
+pub enum Input {
     File(PathBuf),
     Standard,
     Example { name: String, example: Example, triangles: usize },
+}
+
+impl Input {
+    /// The triangles; `format` is that of a file whose content leaves it open.
+    ///
+    /// # Errors
+    /// Where they cannot be read; the message names the file.
+    pub fn read(&self, format: Option<Format>) -> anyhow::Result<Soup> {
+        Ok(match self {
+            Self::File(path) => load::read_as(path, format)?,
+            Self::Standard => load::read_stream(io::stdin().lock(), &self.to_string(), format)?,
+            Self::Example { .. } if format.is_some() => {
+                let message = "--format goes with a file or standard input only";
+                return Err(super::Arguments::command().error(ErrorKind::ArgumentConflict, message).into());
+            }
+            Self::Example { example, triangles, .. } => example.generate(*triangles),
+        })
+    }
+
+    /// How names of files about it may begin.
+    pub fn stem(&self) -> String {
+        let name = match self {
+            Self::File(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            Self::Standard => "surface".to_owned(),
+            Self::Example { name, .. } => name.trim_start_matches("example:").to_owned(),
+        };
+        name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect()
+    }
+}
+
+impl fmt::Display for Input {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path) => write!(f, "{}", path.display()),
+            Self::Standard => write!(f, "standard input"),
+            Self::Example { name, .. } => write!(f, "{name}"),
+        }
+    }
 }
 
 impl FromStr for Input {

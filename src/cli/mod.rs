@@ -8,8 +8,11 @@ mod field;
 mod fineness;
 mod input;
 mod mesh;
+mod mosaic;
 mod output;
+mod picture;
 mod rows;
+mod study;
 mod summary;
 
 use clap::{Parser, Subcommand};
@@ -33,6 +36,9 @@ Examples:
 enum Command {
     Mesh(Box<mesh::Arguments>),
     Field(Box<field::Arguments>),
+    Mosaic(Box<mosaic::Arguments>),
+    Picture(Box<picture::Arguments>),
+    Study(study::Arguments),
     Example(example::Arguments),
     Check(check::Arguments),
     /// Lists the GPU adapters of this machine, the best first
@@ -47,6 +53,9 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Command::Mesh(arguments) => mesh::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
+        Command::Mosaic(arguments) => mosaic::run(&arguments),
+        Command::Picture(arguments) => picture::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
         Command::Example(arguments) => example::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Devices => devices::run(),

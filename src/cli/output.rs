@@ -25,6 +25,24 @@ pub fn field_path(text: &str) -> Result<PathBuf, String> {
     }
 }
 
+/// A path that ends in `.obj` or `.ply`.
+pub fn tiles_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(ending) if ["obj", "ply"].iter().any(|known| ending.eq_ignore_ascii_case(known)) => Ok(path),
+        _ => Err("it does not end in .obj or .ply, the formats that tiles are written in".to_owned()),
+    }
+}
+
+/// A path that ends in `.png` or `.svg`.
+pub fn picture_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(ending) if ["png", "svg"].iter().any(|known| ending.eq_ignore_ascii_case(known)) => Ok(path),
+        _ => Err("it does not end in .png or .svg, the formats of pictures".to_owned()),
+    }
+}
+
 /// Writes figures as JSON.
 ///
 /// # Errors

@@ -3,16 +3,12 @@
 use quadmosaic::mesh::check::Faults;
 use quadmosaic::mesh::pair::PairCounts;
 use quadmosaic::mesh::quality::{Quality, Spread};
-use quadmosaic::report::{Asked, FieldFigures, FieldReport, Input, Report};
+use quadmosaic::report::{Asked, FieldFigures, FieldReport, Input, MosaicReport, Report};
 use quadmosaic::surface::Repairs;
 
 /// All of a run.
 pub fn of_run(report: &Report) -> String {
     let Report { surface: input, mesh, before, mosaic, backend, .. } = report;
-    let asked = match report.asked {
-        Asked::Points(count) => format!("{count} asked for"),
-        Asked::Size(size) => format!("tiles of side {size} asked for"),
-    };
     let holes = format!("{} in the connected mosaic, {} left", mosaic.holes, mesh.polygons);
     let times: Vec<_> = report.times.iter().map(|time| format!("{} {:.0}", time.stage, time.milliseconds)).collect();
     lines(&[
@@ -20,7 +16,7 @@ pub fn of_run(report: &Report) -> String {
         ("repairs", repairs(&input.repairs)),
         ("features", features(input)),
         ("field", field(&report.field)),
-        ("vertices", format!("{} ({asked})", mesh.vertices)),
+        ("vertices", format!("{} ({})", mesh.vertices, asked(report.asked))),
         ("faces", faces(mesh)),
         ("Qr", format!("{:.3} ({:.3} before clean-up)", mesh.qr, before.qr)),
         ("Qg", spread(mesh.qg)),
@@ -43,6 +39,22 @@ pub fn of_field(report: &FieldReport) -> String {
         ("repairs", repairs(&input.repairs)),
         ("features", features(input)),
         ("field", field(figures)),
+        ("backend", format!("{}, {}", backend.name, backend.adapter)),
+    ])
+}
+
+/// A mosaic alone.
+pub fn of_mosaic(report: &MosaicReport) -> String {
+    let MosaicReport { surface: input, field: figures, backend, fit, .. } = report;
+    lines(&[
+        ("surface", surface(input)),
+        ("repairs", repairs(&input.repairs)),
+        ("features", features(input)),
+        ("field", field(figures)),
+        ("tiles", format!("{} ({}), {} on features", report.tiles, asked(report.asked), report.on_features)),
+        ("coverage", format!("{:.4} of the area", fit.coverage)),
+        ("overlap", format!("{:.4} of the area", fit.overlap)),
+        ("straight", format!("rows turn by {:.2} degrees between neighbours", fit.straightness)),
         ("backend", format!("{}, {}", backend.name, backend.adapter)),
     ])
 }
@@ -74,6 +86,13 @@ pub fn counted(count: usize, what: &str) -> String {
 fn lines(entries: &[(&str, String)]) -> String {
     let width = entries.iter().map(|(name, _)| name.len()).max().unwrap_or_default();
     entries.iter().map(|(name, text)| format!("{name:width$}  {text}\n")).collect()
+}
+
+fn asked(asked: Asked) -> String {
+    match asked {
+        Asked::Points(count) => format!("{count} asked for"),
+        Asked::Size(size) => format!("tiles of side {size} asked for"),
+    }
 }
 
 fn surface(input: &Input) -> String {

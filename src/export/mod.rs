@@ -1,5 +1,6 @@
 //! Writes meshes to files, each format in its own module. A file appears complete or not at all.
 
+mod mesh_ply;
 mod obj;
 mod ply;
 mod vtk;
@@ -9,6 +10,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
+pub use mesh_ply::{Shade, write_mesh_ply};
 pub use obj::{write_obj, write_soup};
 pub use ply::write_field_ply;
 pub use vtk::write_field_vtk;

@@ -44,16 +44,18 @@ pub fn connect(triangulation: &Triangulation, options: &ConnectOptions) -> Vec<b
         let mut best: Vec<(i32, f64, u32)> = Vec::new();
         let start = ring.iter().position(|&h| faces.locked[h as usize]).unwrap_or(0);
         ring.rotate_left(start);
+        let round: f64 = ring.iter().map(|&h| faces.width(h)).sum();
+        let quarters = ((round / FRAC_PI_2).round() as i32).max(1);
         for &h in &ring {
             if faces.locked[h as usize] {
                 settle(&mut best, &mut selected);
                 continue;
             }
             let w = faces.target(h);
-            let side = f64::from(triangulation.tiles[v as usize].h + triangulation.tiles[w as usize].h) / 2.0;
+            let side = (triangulation.sides[v as usize] + triangulation.sides[w as usize]) / 2.0;
             let on_feature = faces.locked[ring[0] as usize];
             if let Some((direction, cost)) =
-                suits.judge(faces.begin[h as usize], faces.length[h as usize] / side, on_feature)
+                suits.judge(faces.begin[h as usize], faces.length[h as usize] / side, (!on_feature).then_some(quarters))
             {
                 allowed[h as usize] = true;
                 match best.iter_mut().find(|b| b.0 == direction) {
@@ -85,8 +87,9 @@ struct Suits {
 }
 
 impl Suits {
-    /// The direction of the cross that an edge is nearest to, and how badly it suits; `None` where it does not.
-    fn judge(&self, angle: f64, sides: f64, on_feature: bool) -> Option<(i32, f64)> {
+    /// The direction of the cross that an edge is nearest to, and how badly it suits; `None` where it does not. `quarters`:
+    /// the number of directions, where they come round again.
+    fn judge(&self, angle: f64, sides: f64, quarters: Option<i32>) -> Option<(i32, f64)> {
         let turn = (angle / FRAC_PI_2).round();
         let off = (angle - turn * FRAC_PI_2).abs();
         if off > self.theta || sides > self.reach {
@@ -94,7 +97,7 @@ impl Suits {
         }
         let cost = (off / self.theta).powi(2) + (sides - 1.0).powi(2);
         // On a feature angles do not come round again.
-        let direction = if on_feature { turn as i32 } else { (turn as i32).rem_euclid(4) };
+        let direction = quarters.map_or(turn as i32, |quarters| (turn as i32).rem_euclid(quarters));
         Some((direction, cost))
     }
 }

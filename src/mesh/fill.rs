@@ -143,7 +143,7 @@ impl<'a> Filler<'a> {
             .map(|h| {
                 let (a, b) = (self.faces.origin[h as usize], self.faces.target(h));
                 let needed = lonely(a, self).min(lonely(b, self)).min(2);
-                let side = f64::from(self.triangulation.tiles[a as usize].h);
+                let side = self.triangulation.sides[a as usize];
                 let off = |e: u32| {
                     let quarter = self.faces.begin[e as usize] / std::f64::consts::FRAC_PI_2;
                     (quarter - quarter.round()).abs()

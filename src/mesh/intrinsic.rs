@@ -268,12 +268,13 @@ impl Intrinsic {
 
     /// Flips edges until all that can be are Delaunay, starting from these half-edges.
     ///
-    /// `may_flip(self, h)` can forbid it; `length(a, b, l)` gives the new edge's length, `l` being what the flip found.
+    /// `may_flip(self, h)` can forbid it; `length(a, b, f, l)` gives the length of the new edge of face `f`, `l` being what
+    /// the flip found.
     pub fn legalize(
         &mut self,
         stack: &mut Vec<u32>,
         may_flip: impl Fn(&Self, u32) -> bool,
-        length: impl Fn(u32, u32, f64) -> f64,
+        length: impl Fn(u32, u32, u32, f64) -> f64,
     ) {
         let mut budget = 1000 + 100 * stack.len();
         while let Some(h) = stack.pop() {
@@ -284,7 +285,7 @@ impl Intrinsic {
             if self.flip(h) {
                 budget -= 1;
                 let (f, g) = (h / 3 * 3, t / 3 * 3);
-                let new = length(self.origin[f as usize + 1], self.target(f + 1), self.length[f as usize + 1]);
+                let new = length(self.origin[f as usize + 1], self.target(f + 1), f / 3, self.length[f as usize + 1]);
                 self.length[f as usize + 1] = new;
                 self.length[g as usize + 2] = new;
                 stack.extend([f, f + 2, g, g + 1]);

@@ -15,10 +15,10 @@ pub mod regions;
 pub mod smooth;
 pub mod triangulate;
 
-pub use read::read_mesh;
+pub use read::{read_mesh, read_mesh_as};
 pub use triangulate::Triangulation;
 
-use crate::surface::Regions;
+use crate::surface::{Regions, Soup};
 use rayon::prelude::*;
 
 /// A polygon mesh: quads, triangles and, where holes were left, larger faces; counter-clockwise seen from outside.
@@ -83,6 +83,14 @@ impl Mesh {
                 Edge { ends: [same[0].0, same[0].1], along, against: same.len() as u32 - along }
             })
             .collect()
+    }
+}
+
+impl From<Soup> for Mesh {
+    /// The triangles as faces, vertices in the same order.
+    fn from(soup: Soup) -> Self {
+        let ends = (1..=soup.triangles.len() as u32).map(|face| 3 * face).collect();
+        Self { points: soup.points, corners: soup.triangles.into_flattened(), ends, regions: soup.regions }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Reads polygon meshes, to check and measure what this or another program wrote.
 
 use super::Mesh;
-use crate::surface::load::{LoadError, polygons};
+use crate::surface::load::{Format, LoadError, polygons};
 use std::path::Path;
 
 /// Reads a mesh from an OBJ, PLY or STL file, told apart by content: faces of any size, vertices in the order of the file.
@@ -10,7 +10,15 @@ use std::path::Path;
 /// # Errors
 /// [`LoadError`] says what is wrong, where, and what to do.
 pub fn read_mesh(path: &Path) -> Result<Mesh, LoadError> {
-    let read = polygons(path, None)?;
+    read_mesh_as(path, None)
+}
+
+/// As [`read_mesh`], in the format that is given, if one is.
+///
+/// # Errors
+/// As [`read_mesh`].
+pub fn read_mesh_as(path: &Path, format: Option<Format>) -> Result<Mesh, LoadError> {
+    let read = polygons(path, format)?;
     Ok(Mesh { points: read.points, corners: read.corners, ends: read.ends, ..Mesh::default() })
 }
 

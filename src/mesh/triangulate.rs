@@ -19,9 +19,12 @@ use super::clean::Anchors;
 use super::intrinsic::Intrinsic;
 use crate::field::Field;
 use crate::geometry::cross;
+use crate::mosaic::chart::{Chart, Spot};
+use crate::mosaic::phases::Cone;
 use crate::mosaic::{Mosaic, Seat, Tile};
 use crate::surface::{NONE, Surface};
 use glam::DVec3;
+use std::f64::consts::{PI, TAU};
 
 /// Tiles are kept this far, as a share of the triangle, from the edges of the triangle that they are put into.
 const INSET: f64 = 1e-5;
@@ -32,6 +35,8 @@ pub struct Triangulation {
     pub(crate) faces: Intrinsic,
     /// The tile that each vertex stands for (of a tile on a feature, one of its sides).
     pub tiles: Vec<Tile>,
+    /// The side of each tile in the metric of the triangulation: 1 in that of the mosaic itself.
+    pub(crate) sides: Vec<f64>,
     /// Places in unit-sized coordinates.
     pub(crate) points: Vec<DVec3>,
     /// The first `sites` vertices are tiles on features; the last `extra` ones are no tiles but vertices of the surface
@@ -45,9 +50,10 @@ pub struct Triangulation {
 
 /// Triangulates the tiles of a mosaic.
 pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangulation {
-    let mut work = Work::new(surface, field);
+    let mut work = Work::new(surface, field, mosaic.chart.as_ref());
+    let cones = work.place_cones();
     let sites = work.place_sites(surface, mosaic);
-    let free = work.place_free(surface, mosaic);
+    let free = work.place_free(surface, mosaic, &cones);
     let mut is_tile = vec![false; work.faces.leaving.len()];
     sites.iter().chain(&free).for_each(|&vertex| is_tile[vertex as usize] = true);
     let left = work.remove_others(&is_tile);
@@ -60,12 +66,13 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
         Tile::free(surface, field, corner / 3, surface.points[v as usize], h)
     }));
     let points = order.iter().map(|&v| work.points[v as usize]).collect();
+    let sides = tiles.iter().map(|tile| if mosaic.chart.is_some() { 1.0 } else { f64::from(tile.h) }).collect();
     let faces = work.faces.compacted(&order);
     let mut same_place: Vec<u32> = (0..order.len() as u32).collect();
     for (v, site) in mosaic.sites.iter().enumerate() {
         same_place[v] = site.same_place;
     }
-    Triangulation { faces, tiles, points, sites: sites.len(), extra: left.len(), same_place }
+    Triangulation { faces, tiles, sides, points, sites: sites.len(), extra: left.len(), same_place }
 }
 
 impl Triangulation {
@@ -112,7 +119,9 @@ impl Triangulation {
     }
 }
 
-struct Work {
+struct Work<'a> {
+    /// The mosaic's own metric, where rows pass over the whole surface.
+    chart: Option<&'a Chart>,
     faces: Intrinsic,
     /// The triangle of the surface that each face lies in, while no edge of the surface has been flipped.
     home: Vec<u32>,
@@ -121,14 +130,14 @@ struct Work {
     home_corner: Vec<u32>,
 }
 
-impl Work {
-    fn new(surface: &Surface, field: &Field) -> Self {
+impl<'a> Work<'a> {
+    fn new(surface: &Surface, field: &Field, chart: Option<&'a Chart>) -> Self {
         let sectors = field.sectors();
         let count = 3 * surface.triangle_count();
         let mut faces = Intrinsic {
             origin: surface.triangles.iter().flatten().copied().collect(),
             twin: surface.twins.clone(),
-            length: (0..count as u32).map(|h| surface.length(h)).collect(),
+            length: (0..count as u32).map(|h| chart.map_or_else(|| surface.length(h), |c| c.length(h))).collect(),
             locked: (0..count as u32).map(|h| surface.features().is_feature(h)).collect(),
             begin: Vec::with_capacity(count),
             end: Vec::with_capacity(count),
@@ -147,12 +156,42 @@ impl Work {
             faces.end.push(sectors.direction(h, sectors.corner_angle(h)) - zero);
             faces.leaving[faces.origin[h as usize] as usize] = h;
         }
+        if let Some(chart) = chart {
+            chart_directions(&mut faces, surface, field, chart);
+        }
         Self {
+            chart,
             home: (0..surface.triangle_count() as u32).collect(),
             points: surface.points.iter().map(|p| p.as_dvec3()).collect(),
             home_corner: faces.leaving.clone(),
             faces,
         }
+    }
+
+    /// The vertices of the cones, which become corners of the triangles that hold them.
+    fn place_cones(&mut self) -> Vec<u32> {
+        let Some(chart) = self.chart else { return Vec::new() };
+        let place = |spot: &Spot| {
+            let Cone { triangle, arms } = spot.cone;
+            let h = [0, 1, 2].map(|k| 3 * triangle as usize + k);
+            // How far each side turns as the cone sees it, in the frame of the corner where it begins.
+            let turns = [0, 1, 2].map(|k| {
+                let ([u, v], [x, y]) = (arms[k], chart.steps[h[k]]);
+                let (from, to) = ([-u, -v], [x - u, y - v]);
+                (from[0] * to[1] - from[1] * to[0]).atan2(from[0] * to[0] + from[1] * to[1]).abs()
+            });
+            let first = (-arms[0][1]).atan2(-arms[0][0]);
+            let directions = [first, first + turns[0], first + turns[0] + turns[1]];
+            let vertex = self.faces.split_face(triangle, arms.map(|[u, v]| u.hypot(v)), directions);
+            let last = self.faces.leaving.len();
+            debug_assert_eq!(vertex as usize + 1, last);
+            let closing = 3 * (self.faces.face_count() - 1) + 2;
+            self.faces.end[closing] = directions[2] + turns[2];
+            self.home.extend([triangle; 2]);
+            self.points.push(spot.position);
+            vertex
+        };
+        chart.cones.iter().map(place).collect()
     }
 
     /// The vertex of each site.
@@ -192,14 +231,19 @@ impl Work {
     }
 
     /// The vertex of each free tile.
-    fn place_free(&mut self, surface: &Surface, mosaic: &Mosaic) -> Vec<u32> {
+    fn place_free(&mut self, surface: &Surface, mosaic: &Mosaic, cones: &[u32]) -> Vec<u32> {
         let tiles = mosaic.free();
-        let mut order: Vec<u32> = (0..tiles.len() as u32).collect();
-        order.sort_by_key(|&i| tiles[i as usize].triangle);
         let mut vertices = vec![NONE; tiles.len()];
+        if let Some(chart) = self.chart {
+            // Tiles on cones are the first.
+            let placed = cones.iter().zip(&chart.cones).filter(|(_, spot)| spot.is_tile);
+            vertices.iter_mut().zip(placed).for_each(|(vertex, (&cone, _))| *vertex = cone);
+        }
+        let mut order: Vec<u32> = (0..tiles.len() as u32).filter(|&i| vertices[i as usize] == NONE).collect();
+        order.sort_by_key(|&i| tiles[i as usize].triangle);
         // Walks towards a point are sure to end where the triangles are Delaunay.
         let mut stack: Vec<u32> = (0..self.faces.origin.len() as u32).collect();
-        self.legalize_within(&mut stack);
+        self.legalize_within(surface, &mut stack);
         let mut face = 0;
         let mut triangle = NONE;
         for i in order {
@@ -215,15 +259,19 @@ impl Work {
             let origins = [0, 1, 2].map(|k| self.faces.origin[3 * face as usize + k]);
             let ways = origins.map(|v| self.points[v as usize] - point);
             let x = glam::Vec3::from(tile.axis);
-            let (x, y) = (x.as_dvec3(), cross(tile.normal(), x).as_dvec3());
-            let vertex = self.faces.split_face(face, ways.map(|w| w.length()), ways.map(|w| w.dot(y).atan2(w.dot(x))));
+            let (x, y) = match self.chart {
+                Some(chart) => chart.gradients(surface, triangle, point).into(),
+                None => (x.as_dvec3(), cross(tile.normal(), x).as_dvec3()),
+            };
+            let ways = ways.map(|w| [w.dot(x), w.dot(y)]);
+            let vertex = self.faces.split_face(face, ways.map(|[u, v]| u.hypot(v)), ways.map(|[u, v]| v.atan2(u)));
             self.points.push(point);
             vertices[i as usize] = vertex;
             self.home.extend([triangle; 2]);
             let new = self.faces.leaving[vertex as usize];
             self.faces.ring(vertex, &mut stack);
             let mut sides: Vec<u32> = stack.iter().map(|&h| super::intrinsic::next(h)).collect();
-            self.legalize_within(&mut sides);
+            self.legalize_within(surface, &mut sides);
             face = new / 3;
         }
         vertices
@@ -233,12 +281,24 @@ impl Work {
     ///
     /// Inside a triangle places are known, and lengths are taken from them: in the slivers beside its edges those of one
     /// flip from another would lose their digits.
-    fn legalize_within(&mut self, stack: &mut Vec<u32>) {
-        let (home, points) = (&self.home, &self.points);
+    fn legalize_within(&mut self, surface: &Surface, stack: &mut Vec<u32>) {
+        let (home, points, chart) = (&self.home, &self.points, self.chart);
         self.faces.legalize(
             stack,
             |faces, h| home[h as usize / 3] == home[faces.twin[h as usize] as usize / 3],
-            |a, b, _| points[a as usize].distance(points[b as usize]),
+            |a, b, f, length| match chart {
+                Some(chart) => {
+                    let [a, b] = [a, b].map(|v| points[v as usize]);
+                    let parts = chart.parts(surface, home[f as usize]);
+                    // Across the sides of a cone's parts coordinates are not linear.
+                    if parts.len() > 1 {
+                        return length;
+                    }
+                    let [u, v] = chart.gradients(surface, home[f as usize], (a + b) / 2.0).map(|g| g.dot(b - a));
+                    u.hypot(v)
+                }
+                None => points[a as usize].distance(points[b as usize]),
+            },
         );
     }
 
@@ -265,7 +325,7 @@ impl Work {
     fn remove_others(&mut self, is_tile: &[bool]) -> Vec<u32> {
         let faces = &mut self.faces;
         let mut stack: Vec<u32> = (0..faces.origin.len() as u32).collect();
-        faces.legalize(&mut stack, |_, _| true, |_, _, length| length);
+        faces.legalize(&mut stack, |_, _| true, |_, _, _, length| length);
         let mut waiting: Vec<u32> = (0..is_tile.len() as u32).filter(|&v| !is_tile[v as usize]).collect();
         let (mut ring, mut near) = (Vec::new(), Vec::new());
         loop {
@@ -280,12 +340,36 @@ impl Work {
                     faces.ring(w, &mut ring);
                     stack.extend_from_slice(&ring);
                 }
-                faces.legalize(&mut stack, |_, _| true, |_, _, length| length);
+                faces.legalize(&mut stack, |_, _| true, |_, _, _, length| length);
                 false
             });
             if waiting.is_empty() || waiting.len() == before {
                 return waiting;
             }
+        }
+    }
+}
+
+/// Sets the directions of corners to those of the mosaic's own coordinates, at all sectors whose triangles they keep in
+/// order.
+fn chart_directions(faces: &mut Intrinsic, surface: &Surface, field: &Field, chart: &Chart) {
+    let sectors = field.sectors();
+    let wrapped = |angle: f64| angle - (angle / TAU).round() * TAU;
+    let corner = |h: u32| {
+        let [begin, end] = chart.corner(h);
+        let begin = faces.begin[h as usize] + wrapped(begin - faces.begin[h as usize]);
+        let end = faces.end[h as usize] + wrapped(end - faces.end[h as usize]);
+        [begin, end]
+    };
+    let in_order: Vec<bool> = (0..sectors.count() as u32)
+        .map(|sector| {
+            sectors.corners(surface, sector).map(corner).all(|[begin, end]| (0.02..PI - 0.02).contains(&(end - begin)))
+        })
+        .collect();
+    let corners: Vec<[f64; 2]> = (0..faces.begin.len() as u32).map(corner).collect();
+    for (h, [begin, end]) in corners.into_iter().enumerate() {
+        if in_order[sectors.of_corner[h] as usize] {
+            (faces.begin[h], faces.end[h]) = (begin, end);
         }
     }
 }

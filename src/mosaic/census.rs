@@ -17,8 +17,8 @@ const OTHER_SIDE: f32 = -0.5;
 
 /// Removes tiles where they crowd and adds tiles where there is room, in the order of ids.
 pub fn take(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Mosaic {
-    let tiles = thin(mosaic);
-    let mut result = Mosaic { sites: mosaic.sites.clone(), tiles, sides: mosaic.sides, rulers: mosaic.rulers.clone() };
+    let tiles = thin(mosaic, CROWDED);
+    let mut result = Mosaic { tiles, ..mosaic.clone() };
     let more = room(surface, field, &result);
     result.tiles.extend(more);
     result
@@ -28,7 +28,7 @@ fn cell_of(tiles: &[Tile]) -> f32 {
     relax::cell(tiles.iter().map(|t| t.h).fold(0.0, f32::max))
 }
 
-fn thin(mosaic: &Mosaic) -> Vec<Tile> {
+pub(super) fn thin(mosaic: &Mosaic, crowded_within: f32) -> Vec<Tile> {
     let tiles = &mosaic.tiles;
     let grid = Grid::build(|i| tiles[i].position, tiles.len(), cell_of(tiles));
     let mut kept = vec![true; tiles.len()];
@@ -38,7 +38,7 @@ fn thin(mosaic: &Mosaic) -> Vec<Tile> {
             crowded |= (other as usize) < id
                 && kept[other as usize]
                 && see(&tiles[id], &tiles[other as usize])
-                    .is_some_and(|s| s.u[0].abs() < CROWDED && s.u[1].abs() < CROWDED);
+                    .is_some_and(|s| s.u[0].abs() < crowded_within && s.u[1].abs() < crowded_within);
         });
         kept[id] = !crowded;
     }

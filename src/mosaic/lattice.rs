@@ -1,9 +1,11 @@
 //! First tiles: at the whole numbers of the two coordinates that phases stand for.
 
 use super::Tile;
+use super::chart::{Chart, Part};
 use super::phases::Phases;
 use crate::field::Field;
 use crate::surface::Surface;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Triangles whose image is thinner than this, as a share of the squares of its sides, or turned over hold no tile.
@@ -11,17 +13,52 @@ const THIN: f64 = 0.02;
 /// A place outside of a triangle by less than this share of its height belongs to it too: none is lost on an edge.
 const SLACK: f64 = 1e-3;
 
-/// A free tile of side `side` at its vertex wherever two rows cross; on edges there may be two of them.
+/// Tiles of rows that pass over the whole surface are one where they lie within this of each other, in tile sides.
+pub const DOUBLE: f32 = 0.2;
+
+/// A free tile of side `h` wherever two rows cross; on edges there may be two of them.
 pub fn lattice(surface: &Surface, field: &Field, phases: &Phases, h: f32) -> Vec<Tile> {
     let tiles = |t: u32| {
-        let [a, b, c] = surface.corners(t as usize);
         let sides = [phases.step(3 * t), phases.step_at_end(3 * t + 2).map(|x| -x)];
-        crossings(phases.at(3 * t), sides).into_iter().map(move |[along_ab, along_ac]| {
-            let position = a + (b - a) * along_ab as f32 + (c - a) * along_ac as f32;
-            Tile::free(surface, field, t, position, h)
-        })
+        let corners = surface.corners(t as usize).map(|p| p.as_dvec3());
+        let places = crossings(phases.at(3 * t), sides).into_iter().map(move |shares| place(corners, shares));
+        places.map(move |position| Tile::free(surface, field, t, position.as_vec3(), h))
     };
     (0..surface.triangle_count() as u32).into_par_iter().flat_map_iter(tiles).collect()
+}
+
+/// As [`lattice`], but the tiles on cones first, the others round cones too and none on features; each has the side that
+/// the rows have there.
+pub fn woven(surface: &Surface, field: &Field, phases: &Phases, chart: &Chart, h: f32) -> Vec<Tile> {
+    let on_cones = chart.cones.iter().filter(|spot| spot.is_tile);
+    let on_cones = on_cones.map(|spot| Tile::free(surface, field, spot.cone.triangle, spot.position.as_vec3(), h));
+    let part = |t: u32, part: &Part| {
+        let origin = phases.at(part.corner);
+        let [p, q] = part.sides;
+        let area = p[0] * q[1] - p[1] * q[0];
+        let [a, b, c] = part.points;
+        let own = ((b - a).cross(c - a).length() / area.abs().max(f64::MIN_POSITIVE)).sqrt() as f32;
+        let off_features = |[x, y]: &[f64; 2]| {
+            let far = [*y, 1.0 - x - y, *x];
+            far.iter().zip(part.on_feature).all(|(&far, on_feature)| !on_feature || far > 2.0 * SLACK)
+        };
+        let places = crossings(origin, part.sides).into_iter().filter(off_features);
+        let tile = |shares| {
+            let free = Tile::free(surface, field, t, place(part.points, shares).as_vec3(), h);
+            Tile { h: own, ..free }
+        };
+        places.map(tile).collect::<Vec<_>>()
+    };
+    let elsewhere = (0..surface.triangle_count() as u32)
+        .into_par_iter()
+        .flat_map_iter(|t| chart.parts(surface, t).into_iter().flat_map(move |own| part(t, &own)));
+    let mut tiles: Vec<Tile> = on_cones.collect();
+    tiles.par_extend(elsewhere);
+    tiles
+}
+
+fn place([a, b, c]: [DVec3; 3], [to_b, to_c]: [f64; 2]) -> DVec3 {
+    a + (b - a) * to_b + (c - a) * to_c
 }
 
 /// Where both coordinates are whole in a triangle, in shares of its first and last side: they are `origin` at its first

@@ -19,6 +19,9 @@
 //! A reach of 1.6 tile sides instead of 1.75 loses 0.003 of Qr on the eight models and saves a tenth of the time.
 
 pub mod census;
+pub mod chart;
+pub mod fit;
+pub mod fitting;
 pub mod grid;
 pub mod lattice;
 pub mod phases;
@@ -26,6 +29,7 @@ pub mod refine;
 pub mod relax;
 pub mod seat;
 pub mod sow;
+pub mod squares;
 
 pub use relax::Relaxation;
 pub use seat::{Rulers, Seat, Site};
@@ -34,8 +38,9 @@ use crate::compute::{Backend, ComputeError, Ground};
 use crate::field::Field;
 use crate::surface::Surface;
 use bytemuck::{Pod, Zeroable};
+use chart::Chart;
 use glam::Vec3;
-use phases::Phases;
+use phases::{Phases, RowEnds};
 
 /// A tile, or one side of a tile on a feature; the record that the kernels read.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -95,6 +100,10 @@ pub struct Mosaic {
     /// How many of the tiles are sides.
     pub sides: usize,
     pub(crate) rulers: Rulers,
+    /// The metric in which the tiles are equal squares, where rows pass over the whole surface.
+    pub(crate) chart: Option<Chart>,
+    /// What became of the ends of rows, there.
+    pub row_ends: Option<RowEnds>,
 }
 
 impl Mosaic {
@@ -120,8 +129,18 @@ impl Mosaic {
         let (sites, mut tiles) = seat::seat(surface, field, h, &rulers);
         let sides = tiles.len();
         tiles.extend(free);
-        Self { sites, tiles, sides, rulers }
+        Self { sites, tiles, sides, rulers, chart: None, row_ends: None }
     }
+}
+
+/// Whether rows of tiles may end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rows {
+    /// They end where tiles of the wanted sides need it.
+    #[default]
+    Paper,
+    /// They pass over the whole surface but for singularities of the field, and sides give way.
+    Continuous,
 }
 
 /// How hard to work on the tiles.
@@ -180,12 +199,14 @@ pub struct Layer<'a> {
     pub ground: &'a dyn Ground,
     /// How hard to work.
     pub effort: Effort,
+    /// Whether rows may end.
+    pub rows: Rows,
     /// Is told how far the work is, from 0 to 1; it begins anew where a mosaic is laid again for its count.
     pub progress: &'a dyn Fn(f32),
 }
 
 /// A mosaic may miss the asked count by this share before another one is laid.
-const COUNT_ERROR: f64 = 0.015;
+const COUNT_ERROR: f64 = 0.01;
 /// Mosaics that are laid in full.
 const ATTEMPTS: usize = 3;
 /// A coarse mosaic may promise a count that is wrong by this share before another one is tried.
@@ -236,7 +257,9 @@ impl Layer<'_> {
             if best.as_ref().is_none_or(|b| miss < b.0) {
                 best = Some((miss, h, finest));
             }
-            if miss < PROMISE_ERROR || features as f64 >= count {
+            // Rows that pass everywhere cost more than what they miss by.
+            let allowed = if self.rows == Rows::Continuous { COUNT_ERROR } else { PROMISE_ERROR };
+            if miss < allowed || features as f64 >= count {
                 break;
             }
             h *= ratio.sqrt() as f32;
@@ -251,6 +274,9 @@ impl Layer<'_> {
     /// Tiles of side `h`, the finest level not relaxed.
     fn promised(&self, h: f32) -> Result<Mosaic, ComputeError> {
         let splits = splits(self.surface, f64::from(h), self.effort.solved);
+        if self.rows == Rows::Continuous {
+            return self.woven(h, 3u32.pow(splits as u32));
+        }
         let first = h * 3f32.powi(splits);
         let mut mosaic = self.sown(first)?;
         for split in 1..=splits {
@@ -272,14 +298,31 @@ impl Layer<'_> {
         Ok(census::take(surface, field, &sown))
     }
 
+    /// Tiles of side `h` in rows that pass over the whole surface; `finer` times as many rows as are solved for.
+    fn woven(&self, h: f32, finer: u32) -> Result<Mosaic, ComputeError> {
+        let (surface, field) = (self.surface, self.field);
+        let side = f64::from(h) * f64::from(finer);
+        let mut phases = Phases::solve(surface, field, |_| side, self.backend)?;
+        let row_ends = phases.close(surface, self.backend)?;
+        phases.multiply(finer);
+        let chart = Chart::new(surface, &phases);
+        let tiles = lattice::woven(surface, field, &phases, &chart, h);
+        let woven = Mosaic::new(surface, field, h, Rulers::new(surface, &phases), tiles);
+        let tiles = census::thin(&woven, lattice::DOUBLE);
+        Ok(Mosaic { tiles, chart: Some(chart), row_ends: Some(row_ends), ..woven })
+    }
+
     fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {
         let free = refine::refine(self.surface, self.field, coarse, h);
         let refined = Mosaic::new(self.surface, self.field, h, coarse.rulers.thirds(), free);
         census::take(self.surface, self.field, &refined)
     }
 
-    /// Relaxed in batches, with a census after each.
+    /// Relaxed in batches, with a census after each; rows that pass over the whole surface stay as they are.
     fn settled(&self, mut mosaic: Mosaic, h: f32) -> Result<Mosaic, ComputeError> {
+        if self.rows == Rows::Continuous {
+            return Ok(mosaic);
+        }
         let relaxation = Relaxation::new(self.effort.steps, h);
         for _ in 0..self.effort.batches {
             mosaic.tiles = self.ground.relax(&mosaic.tiles, &relaxation)?;

@@ -20,6 +20,7 @@ mod regions;
 mod repairs;
 mod ridges;
 mod split;
+pub(crate) mod spread;
 mod tiny;
 mod walk;
 mod weld;

@@ -149,8 +149,7 @@ struct Lines<'a, 'b> {
 
 impl<'a, 'b> Lines<'a, 'b> {
     fn from(draft: &'b Draft<'a>, triangle: u32, apex: u32, within: Within) -> Self {
-        let mut lines =
-            Self { draft, triangle, within, line: Vec::new(), rows: Vec::new(), landings: Vec::new() };
+        let mut lines = Self { draft, triangle, within, line: Vec::new(), rows: Vec::new(), landings: Vec::new() };
         if !draft.is_fixed(apex)
             && let Some(fan) = draft.fan(apex, triangle)
         {

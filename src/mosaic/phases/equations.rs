@@ -1,6 +1,6 @@
 //! The equations of the phases, in the form of the field's.
 
-use super::{Unknowns, Way, along};
+use super::{Phases, Unknowns, Way, along};
 use crate::field::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
 use crate::field::smooth::{Pace, flowed};
 use crate::field::{Complex, Hierarchy, Level, Link, MIRRORED, Sectors};
@@ -12,17 +12,68 @@ use std::f64::consts::TAU;
 const OUTSET: usize = 500;
 /// Sweeps there.
 const OUTSET_FLOWS: u32 = 200;
+/// How strongly the corners of its triangle are drawn to a cone; an edge's weight is about 0.6.
+const CONE_WEIGHT: f64 = 2.0;
 /// Sweeps on each finer level.
 const FLOWS: u32 = 20;
 
-/// The unknowns of all sectors, and their equations.
-pub fn equations(surface: &Surface, sectors: &Sectors, ways: &[Way]) -> (Vec<Unknowns>, Hierarchy) {
-    let (unknowns, fixed) = unknowns(surface, sectors);
-    let levels = levels(surface, sectors, ways, &unknowns, &fixed);
+/// The equations of the phases.
+pub fn equations(
+    surface: &Surface,
+    sectors: &Sectors,
+    ways: &[Way],
+    unknowns: &[Unknowns],
+    fixed: &[bool],
+) -> Hierarchy {
+    let pulls = fixed.iter().map(|&fixed| [f32::from(fixed), 0.0]).collect();
+    let levels =
+        levels(surface, sectors, ways, unknowns, fixed, |way, k| TAU * way.by[k], pulls, &vec![0.0; fixed.len()]);
     let start = levels.iter().position(|level| level.len() <= OUTSET).unwrap_or(levels.len() - 1);
     let crosses = flowed(&levels[start], spread(&levels[start]), OUTSET_FLOWS);
     let pace = Pace { descents: 0, flows: FLOWS, last_flows: FLOWS };
-    (unknowns, Hierarchy { levels, start, crosses, pace })
+    Hierarchy { levels, start, crosses, pace }
+}
+
+/// The equations of what must be added to the coordinates so that their steps are, in the sense of least squares, the
+/// ways: real numbers, held as imaginary ones, so that mirrored they are negative.
+pub fn offsets(surface: &Surface, phases: &Phases) -> Hierarchy {
+    let (sectors, unknowns) = (phases.field.sectors(), &phases.unknowns);
+    let mut pulls = vec![[0.0, 0.0]; phases.fixed.len()];
+    let mut pull = |unknown: u32, by: f64| {
+        let pull: &mut Complex = &mut pulls[(unknown & !MIRRORED) as usize];
+        pull[1] += (if unknown & MIRRORED != 0 { -by } else { by }) as f32;
+    };
+    for h in 0..phases.ways.len() as u32 {
+        let way = phases.ways[h as usize];
+        let step = phases.step(h);
+        let [from, to] = [h, next(h)].map(|corner| sectors.of_corner[corner as usize] as usize);
+        for k in 0..2 {
+            let off = weight(sectors, h) * (step[k as usize] - way.by[k as usize]);
+            pull(along(unknowns[from], k), off);
+            pull(along(unknowns[to], k + way.quarters), -off);
+        }
+    }
+    let mut held = vec![0.0; phases.fixed.len()];
+    for cone in (0..surface.triangle_count() as u32).filter_map(|t| phases.cone(t)) {
+        for (k, offset) in (0..3).zip(phases.cone_offsets(&cone)) {
+            let sector = sectors.of_corner[(3 * cone.triangle + k) as usize] as usize;
+            for (unknown, off) in unknowns[sector].into_iter().zip(offset) {
+                pull(unknown, CONE_WEIGHT * off);
+                held[(unknown & !MIRRORED) as usize] += CONE_WEIGHT as f32;
+            }
+        }
+    }
+    for (pull, _) in pulls.iter_mut().zip(&phases.fixed).filter(|&(_, &fixed)| fixed) {
+        *pull = [0.0, 0.0];
+    }
+    let levels = levels(surface, sectors, &phases.ways, unknowns, &phases.fixed, |_, _| 0.0, pulls, &held);
+    let start = levels.len() - 1;
+    let crosses = vec![[0.0, 0.0]; levels[start].len()];
+    Hierarchy { levels, start, crosses, pace: Pace { descents: 8, flows: 0, last_flows: 0 } }
+}
+
+fn weight(sectors: &Sectors, half_edge: u32) -> f64 {
+    (sectors.cotangent(previous(half_edge)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT)
 }
 
 /// Values that spread from what is fixed, and where nothing is, from the first unknown: rows are in step with features
@@ -50,7 +101,7 @@ fn spread(level: &Level) -> Vec<Complex> {
 ///
 /// On a feature the phase across it is fixed, and the one along it is shared by all sectors at the place; at corners
 /// both are fixed.
-fn unknowns(surface: &Surface, sectors: &Sectors) -> (Vec<Unknowns>, Vec<bool>) {
+pub fn unknowns(surface: &Surface, sectors: &Sectors) -> (Vec<Unknowns>, Vec<bool>) {
     let mut fixed = Vec::with_capacity(2 * sectors.count());
     // The shared unknown at a place on a feature, and the vertex that it grows towards.
     let mut shared: FxHashMap<u32, [u32; 2]> = FxHashMap::default();
@@ -93,14 +144,23 @@ fn readers(unknowns: &[Unknowns], count: usize) -> (Vec<u32>, Vec<[u32; 2]>) {
     (starts, readers)
 }
 
-fn levels(surface: &Surface, sectors: &Sectors, ways: &[Way], unknowns: &[Unknowns], fixed: &[bool]) -> Vec<Level> {
+/// Links each unknown along all half-edges; `turn` is the angle by which a way turns a value, in radians.
+fn levels(
+    surface: &Surface,
+    sectors: &Sectors,
+    ways: &[Way],
+    unknowns: &[Unknowns],
+    fixed: &[bool],
+    turn: impl Fn(&Way, usize) -> f64 + Sync,
+    pulls: Vec<Complex>,
+    held: &[f32],
+) -> Vec<Level> {
     let (reader_starts, readers) = readers(unknowns, fixed.len());
-    let weight = |h: u32| (sectors.cotangent(previous(h)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT);
     // What direction `k` of the sector that a half-edge leaves is linked to at its end: the far value, taken back.
     let link = |h: u32, k: u32, end: Unknowns| {
         let way = ways[h as usize];
-        let (s, c) = (TAU * way.by[k as usize]).sin_cos();
-        let w = weight(h);
+        let (s, c) = turn(&way, k as usize).sin_cos();
+        let w = weight(sectors, h);
         Link { neighbour: along(end, k + way.quarters), weight: [(w * c) as f32, (-w * s) as f32] }
     };
     let sector_of = |corner: u32| sectors.of_corner[corner as usize] as usize;
@@ -128,8 +188,7 @@ fn levels(surface: &Surface, sectors: &Sectors, ways: &[Way], unknowns: &[Unknow
                 add(unknown, link(entering, j, [0; 2]).back(unknowns[sector_of(entering)][j as usize]));
             }
         }
-        Excess { fixed: fixed[i], ..Excess::default() }
+        Excess { fixed: fixed[i], pull: held[i], ..Excess::default() }
     });
-    let pulls = fixed.iter().map(|&fixed| [f32::from(fixed), 0.0]).collect();
     coarsen(Level::new(&excess, &starts, links, pulls), excess)
 }

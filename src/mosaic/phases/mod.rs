@@ -22,10 +22,15 @@
 //! sweeps on the first level in place of 200 changed nothing. Edges of at most 0.45, 0.7 and 1 tile sides gave fish_blub
 //! 4.0, 3.9, 4.5 and spot 4.0, 4.2, 4.3.
 
+mod cones;
 mod equations;
-mod ways;
+mod rows;
+pub(super) mod ways;
 
+pub use cones::Cone;
+pub use rows::RowEnds;
 pub use ways::Way;
+pub(super) use ways::turning;
 
 use crate::compute::{Backend, ComputeError};
 use crate::field::{Complex, Field, MIRRORED};
@@ -39,6 +44,11 @@ pub struct Phases<'a> {
     ways: Vec<Way>,
     /// The two coordinates of each sector, up to whole numbers.
     places: Vec<[f64; 2]>,
+    /// By how much more than the two places say the coordinates grow along each half-edge, at the sector that it leaves.
+    jumps: Vec<[i32; 2]>,
+    unknowns: Vec<Unknowns>,
+    /// Whether each unknown is fixed.
+    fixed: Vec<bool>,
 }
 
 /// The unknown that stands for the phase along a sector's axis, and across it; mirrored or not.
@@ -61,10 +71,53 @@ impl<'a> Phases<'a> {
         backend: &dyn Backend,
     ) -> Result<Self, ComputeError> {
         let ways = ways::ways(surface, field.sectors(), &ways::axes(field), side);
-        let (unknowns, hierarchy) = equations::equations(surface, field.sectors(), &ways);
-        let values = backend.smooth(&hierarchy)?;
+        let (unknowns, fixed) = equations::unknowns(surface, field.sectors());
+        let values = backend.smooth(&equations::equations(surface, field.sectors(), &ways, &unknowns, &fixed))?;
         let places = unknowns.iter().map(|pair| pair.map(|unknown| turns(&values, unknown))).collect();
-        Ok(Self { field, ways, places })
+        let mut phases = Self { field, ways, places, jumps: Vec::new(), unknowns, fixed };
+        phases.jumps = phases.nearest_jumps(surface);
+        Ok(phases)
+    }
+
+    /// Leads the ends of rows to where they cancel and solves for the coordinates again: where none is left, rows pass over
+    /// the whole surface but for singularities of the field, and their distances give way.
+    ///
+    /// # Errors
+    /// Where the backend fails.
+    pub fn close(&mut self, surface: &Surface, backend: &dyn Backend) -> Result<RowEnds, ComputeError> {
+        let ends = self.cancel_row_ends(surface);
+        let values = backend.smooth(&equations::offsets(surface, self))?;
+        for (place, pair) in self.places.iter_mut().zip(&self.unknowns) {
+            for k in 0..2 {
+                let offset = f64::from(values[(pair[k] & !MIRRORED) as usize][1]);
+                place[k] += if pair[k] & MIRRORED != 0 { -offset } else { offset };
+            }
+        }
+        Ok(ends)
+    }
+
+    /// Puts so many rows in place of each.
+    pub fn multiply(&mut self, by: u32) {
+        self.places.iter_mut().flatten().for_each(|place| *place *= f64::from(by));
+        self.jumps.iter_mut().flatten().for_each(|jump| *jump *= by as i32);
+        self.ways.iter_mut().flat_map(|way| &mut way.by).for_each(|side| *side *= f64::from(by));
+    }
+
+    /// The jumps that make steps most like the ways.
+    fn nearest_jumps(&self, surface: &Surface) -> Vec<[i32; 2]> {
+        let own = |h: u32| {
+            let way = &self.ways[h as usize];
+            let [here, there] = [self.at(h), way.back(self.at(next(h)))];
+            [0, 1].map(|k| -(there[k] - here[k] - way.by[k]).round() as i32)
+        };
+        // Both sides of an edge must fall on the same side of a half.
+        let jump = |h: u32| match surface.twin(h) {
+            Some(twin) if twin < h && !surface.features().is_feature(h) => {
+                self.ways[twin as usize].forth(own(twin).map(f64::from)).map(|x| -x as i32)
+            }
+            _ => own(h),
+        };
+        (0..self.ways.len() as u32).map(jump).collect()
     }
 
     /// The coordinates at the sector of a corner, up to whole numbers.
@@ -74,13 +127,9 @@ impl<'a> Phases<'a> {
 
     /// By how much the coordinates grow along a half-edge, in the frame of the sector that it leaves.
     pub fn step(&self, half_edge: u32) -> [f64; 2] {
-        let way = self.ways[half_edge as usize];
-        let here = self.at(half_edge);
-        let there = way.back(self.at(next(half_edge)));
-        [0, 1].map(|k| {
-            let off = there[k] - here[k] - way.by[k];
-            way.by[k] + off - off.round()
-        })
+        let [here, there] = [self.at(half_edge), self.ways[half_edge as usize].back(self.at(next(half_edge)))];
+        let jump = self.jumps[half_edge as usize];
+        [0, 1].map(|k| there[k] - here[k] + f64::from(jump[k]))
     }
 
     /// As [`Phases::step`], in the frame of the sector at the half-edge's end.

@@ -34,14 +34,27 @@ pub fn axes(field: &Field) -> Vec<f64> {
     field.crosses().iter().enumerate().map(|(s, z)| if on_feature(s) { 0.0 } else { axis(z) }).collect()
 }
 
+/// By how much the cross turns along a half-edge, in radians, counter-clockwise, and how many quarters its axis is turned
+/// by when it is read in the frame of the sector at the end; with the half-edge's angle from the axis where it begins.
+fn turn_along(sectors: &Sectors, axes: &[f64], h: u32) -> [f64; 3] {
+    let [from, to] = [h, next(h)].map(|corner| sectors.of_corner[corner as usize] as usize);
+    let leaving = sectors.direction(h, 0.0) - axes[from];
+    let arriving = sectors.direction(next(h), sectors.corner_angle(next(h))) + PI - axes[to];
+    let quarters = ((arriving - leaving) / FRAC_PI_2).round();
+    [leaving - arriving + quarters * FRAC_PI_2, quarters, leaving]
+}
+
+/// By how much the cross turns along each half-edge, in radians.
+pub fn turning(field: &Field) -> Vec<f64> {
+    let (sectors, axes) = (field.sectors(), axes(field));
+    (0..sectors.of_corner.len() as u32).into_par_iter().map(|h| turn_along(sectors, &axes, h)[0]).collect()
+}
+
 /// The ways along all half-edges, for tiles whose side at each vertex is `side`.
 pub fn ways(surface: &Surface, sectors: &Sectors, axes: &[f64], side: impl Fn(u32) -> f64 + Sync) -> Vec<Way> {
     let way = |h: u32| {
-        let [from, to] = [h, next(h)].map(|corner| sectors.of_corner[corner as usize] as usize);
-        let leaving = sectors.direction(h, 0.0) - axes[from];
-        let arriving = sectors.direction(next(h), sectors.corner_angle(next(h))) + PI - axes[to];
-        let quarters = ((arriving - leaving) / FRAC_PI_2).round();
-        let (s, c) = ((leaving + arriving - quarters * FRAC_PI_2) / 2.0).sin_cos();
+        let [turn, quarters, leaving] = turn_along(sectors, axes, h);
+        let (s, c) = (leaving - turn / 2.0).sin_cos();
         let per_unit = (1.0 / side(surface.origin(h)) + 1.0 / side(surface.target(h))) / 2.0;
         let sides = surface.length(h) * per_unit;
         Way { by: [sides * c, sides * s], quarters: quarters.rem_euclid(4.0) as u32 }

@@ -1,0 +1,104 @@
+//! `quadmosaic mosaic`.
+
+use super::backend::Machine;
+use super::fineness::Wanted;
+use super::input::Source;
+use super::output::{expect_writable, picture_path, print, tiles_path, write_json};
+use super::rows::{Rows, warn_of};
+use super::{picture, summary};
+use anyhow::Context;
+use clap::Args;
+use quadmosaic::export::{Shade, write_mesh_ply, write_obj};
+use quadmosaic::mosaic::fit::Fit;
+use quadmosaic::mosaic::squares::squares;
+use quadmosaic::picture::{Colour, View, mosaic_scene, write_picture};
+use quadmosaic::pipeline::{self, Options, prepare};
+use quadmosaic::report::MosaicReport;
+use std::path::{Path, PathBuf};
+
+/// Writes the tiles that a mesh would be made of, as squares laid on the surface
+///
+/// With the same options these are the tiles of `mesh`. OBJ: a face a tile; on features, a face for each side. PLY: the same,
+/// coloured by how well the tiles sit (`quality`: 1 where a tile's neighbours are at their places, 0 where half a tile off).
+/// Prints which share of the area is under tiles, which under two, and how straight the rows are.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    source: Source,
+    /// Where the tiles go
+    #[arg(short, long, value_name = "TILES.obj|ply", value_parser = tiles_path)]
+    output: PathBuf,
+    /// The share of a tile's side that is left free between it and the next, 0 to 0.9
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = picture::grout)]
+    grout: f64,
+    #[command(flatten)]
+    wanted: Wanted,
+    #[command(flatten)]
+    rows: Rows,
+    #[command(flatten)]
+    machine: Machine,
+    /// Draw the tiles, as `quadmosaic picture --mosaic` does
+    #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
+    picture: Option<PathBuf>,
+    /// Write what is printed, and more, as JSON
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
+    /// Print warnings and errors only
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  quadmosaic mosaic example:m6 --points 2000 -o tiles.ply --picture tiles.png
+  quadmosaic mosaic vase.stl --size 5 --grout 0.15 -o tiles.obj";
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let Arguments { source, output, grout, wanted, rows, machine, picture: picture_file, report: report_file, quiet } =
+        arguments;
+    let mut taken: Vec<&Path> = source.path().into_iter().collect();
+    for path in [output].into_iter().chain(picture_file).chain(report_file) {
+        expect_writable(path, &taken)?;
+        taken.push(path);
+    }
+    let options = Options {
+        features: rows.features(),
+        edges: rows.edges()?,
+        field: rows.field()?,
+        ..Options::new(wanted.fineness())
+    };
+    machine.start_threads()?;
+    let name = source.to_string();
+    let soup = source.read()?;
+    let (surface, count) = prepare(&soup, &options).context(name.clone())?;
+    let device = machine.open()?;
+    let backend = device.backend()?;
+    let field = pipeline::field(&surface, count, &options, &*backend)?;
+    let mosaic = pipeline::lay(&surface, &field, &*backend, count, &options, &|_| ())?;
+
+    let fit = Fit::of(&surface, &mosaic);
+    let (mesh, tiles) = squares(&surface, &mosaic, *grout as f32);
+    match output.extension() {
+        Some(ending) if ending.eq_ignore_ascii_case("ply") => {
+            let shade = |&tile: &u32| {
+                let quality = fit.of_tiles[tile as usize];
+                Shade { quality: quality as f32, colour: Colour::of_quality(quality).0 }
+            };
+            write_mesh_ply(output, &mesh, &tiles.iter().map(shade).collect::<Vec<_>>())?;
+        }
+        _ => write_obj(output, &mesh)?,
+    }
+    if let Some(path) = picture_file {
+        write_picture(path, &mosaic_scene(&surface, &mosaic, *grout as f32, None), &View::default(), picture::SIZE)?;
+    }
+    let report = MosaicReport::new(&name, &options, &*backend, (&surface, &field, &mosaic), fit);
+    if let Some(path) = report_file {
+        write_json(path, &report)?;
+    }
+    if !quiet {
+        print(&summary::of_mosaic(&report))?;
+    }
+    warn_of(field.guides());
+    Ok(())
+}

@@ -1,0 +1,122 @@
+//! The mosaic's own metric: distances in tile sides along the rows, where rows pass over the whole surface.
+
+use super::phases::{Cone, Phases};
+use crate::surface::Surface;
+use glam::DVec3;
+
+/// Where coordinates hardly grow, edges are taken to be this long, in tile sides.
+const SHORTEST: f64 = 1e-4;
+
+/// Coordinates whose whole numbers are tiles, as steps along the surface's edges.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Along each half-edge, in tile sides along the axes of the sector that it leaves.
+    pub(crate) steps: Vec<[f64; 2]>,
+    /// The same, in the frame of the sector at its end.
+    pub(crate) at_ends: Vec<[f64; 2]>,
+    /// Singularities inside triangles.
+    pub(crate) cones: Vec<Spot>,
+}
+
+/// A cone with its place.
+#[derive(Clone, Debug)]
+pub(crate) struct Spot {
+    pub cone: Cone,
+    pub position: DVec3,
+    /// Whether it carries a tile.
+    pub is_tile: bool,
+}
+
+impl Chart {
+    /// From phases whose rows are closed.
+    pub fn new(surface: &Surface, phases: &Phases) -> Self {
+        let half_edges = 0..3 * surface.triangle_count() as u32;
+        let cones = (0..surface.triangle_count() as u32).filter_map(|t| phases.cone(t)).map(|cone| Spot {
+            position: cone.position(surface, phases),
+            is_tile: phases.is_whole(&cone),
+            cone,
+        });
+        Self {
+            cones: cones.collect(),
+            steps: half_edges.clone().map(|h| phases.step(h)).collect(),
+            at_ends: half_edges.map(|h| phases.step_at_end(h)).collect(),
+        }
+    }
+
+    /// The length of a half-edge in tile sides.
+    pub(crate) fn length(&self, half_edge: u32) -> f64 {
+        let [u, v] = self.steps[half_edge as usize];
+        u.hypot(v).max(SHORTEST)
+    }
+
+    /// The directions at which the corner of a half-edge begins and ends, in radians from the axis of its sector, up to
+    /// whole turns.
+    pub(crate) fn corner(&self, half_edge: u32) -> [f64; 2] {
+        let [u, v] = self.steps[half_edge as usize];
+        let [x, y] = self.at_ends[crate::surface::previous(half_edge) as usize];
+        [v.atan2(u), (-y).atan2(-x)]
+    }
+
+    /// The triangle, or the three triangles between its sides and its cone.
+    pub(crate) fn parts(&self, surface: &Surface, triangle: u32) -> Vec<Part> {
+        let points = surface.corners(triangle as usize).map(|p| p.as_dvec3());
+        let h = [0, 1, 2].map(|k| 3 * triangle + k);
+        let on_feature = h.map(|h| surface.features().is_feature(h));
+        match self.cones.binary_search_by_key(&triangle, |spot| spot.cone.triangle) {
+            Ok(i) => {
+                let Spot { cone, position, .. } = &self.cones[i];
+                let part = |k: usize| Part {
+                    corner: h[k],
+                    points: [points[k], points[(k + 1) % 3], *position],
+                    sides: [self.steps[h[k] as usize], cone.arms[k]],
+                    on_feature: [on_feature[k], false, false],
+                };
+                vec![part(0), part(1), part(2)]
+            }
+            Err(_) => {
+                let sides = [self.steps[h[0] as usize], self.at_ends[h[2] as usize].map(|x| -x)];
+                vec![Part { corner: h[0], points, sides, on_feature }]
+            }
+        }
+    }
+
+    /// How the coordinates grow at a point of a triangle: their gradients, in the frame of one of its corners.
+    pub(crate) fn gradients(&self, surface: &Surface, triangle: u32, position: DVec3) -> [DVec3; 2] {
+        let parts = self.parts(surface, triangle);
+        let depth = |part: &Part| {
+            let [a, b, c] = part.points;
+            let normal = (b - a).cross(c - a);
+            // Cones lie inside, so only the sides that lead to it part one from the other.
+            let inside = [(b, c), (c, a)].map(|(p, q)| (q - p).cross(position - p).dot(normal));
+            inside[0].min(inside[1]) / normal.length_squared().max(f64::MIN_POSITIVE)
+        };
+        let deepest = parts.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)));
+        deepest.expect("a triangle has a part").gradients()
+    }
+}
+
+/// A triangle in which coordinates are linear.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    /// The corner of the surface whose frame is used.
+    pub corner: u32,
+    /// The first lies at that corner.
+    pub points: [DVec3; 3],
+    /// The steps from the first point to the second and the third.
+    pub sides: [[f64; 2]; 2],
+    /// Whether the sides after each point lie on features.
+    pub on_feature: [bool; 3],
+}
+
+impl Part {
+    fn gradients(&self) -> [DVec3; 2] {
+        let [a, b, c] = self.points;
+        let (x, y) = (b - a, c - a);
+        let normal = x.cross(y);
+        let area = normal.length_squared().max(f64::MIN_POSITIVE);
+        // Each is perpendicular to one side and grows along the other.
+        let (along_x, along_y) = (y.cross(normal) / area, normal.cross(x) / area);
+        let [p, q] = self.sides;
+        [0, 1].map(|k| along_x * p[k] + along_y * q[k])
+    }
+}

@@ -1,0 +1,69 @@
+//! The fitting size: tiles whose side follows the field's turning, so that rows need not end.
+//!
+//! # Theory
+//! For a cross field with axes `e1`, `e2` that turns at the rate `w` (so much along each direction, from `e1` towards `e2`)
+//! the rows of squares fit where `grad log h = w(e2) e1 - w(e1) e2`: that is `w`, as a vector, turned back by a quarter. In
+//! the sense of least squares this is one Poisson equation with the cotangent Laplacian, whose right-hand side at a vertex
+//! is minus half the sum of the turning along the sides opposite to it, what a triangle's three turnings do not close by
+//! being taken off in thirds. Open boundaries are free.
+//!
+//! # Practice
+//! At a singularity `log h` has no bound: it is held within the range by a hyperbolic tangent, which leaves small values as
+//! they are.
+
+use super::phases::turning;
+use crate::compute::{Backend, ComputeError};
+use crate::field::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
+use crate::field::smooth::Pace;
+use crate::field::{Field, Hierarchy, Level, Link};
+use crate::surface::{Surface, previous};
+
+/// The logarithm of the fitting side at each vertex against the mean one; `range`: the largest side over the mean, and the
+/// mean over the smallest.
+///
+/// # Errors
+/// Where the backend fails.
+pub fn fitting(surface: &Surface, field: &Field, range: f64, backend: &dyn Backend) -> Result<Vec<f64>, ComputeError> {
+    let values = backend.smooth(&equations(surface, field))?;
+    let mut logs: Vec<f64> = values.iter().map(|z| f64::from(z[0])).collect();
+    // Its zero is free: the mean over the area.
+    let (mut sum, mut area) = (0.0, 0.0);
+    for t in 0..surface.triangle_count() {
+        let own = f64::from(surface.double_area(t));
+        area += own;
+        sum += surface.triangles[t].iter().map(|&v| own / 3.0 * logs[v as usize]).sum::<f64>();
+    }
+    let limit = range.ln();
+    logs.iter_mut().for_each(|x| *x = limit * ((*x - sum / area) / limit).tanh());
+    Ok(logs)
+}
+
+fn equations(surface: &Surface, field: &Field) -> Hierarchy {
+    let sectors = field.sectors();
+    let turns = turning(field);
+    let mut pulls = vec![[0.0f32; 2]; surface.vertex_count()];
+    for t in 0..surface.triangle_count() as u32 {
+        let sides = [3 * t, 3 * t + 1, 3 * t + 2];
+        let open = sides.iter().map(|&h| turns[h as usize]).sum::<f64>() / 3.0;
+        for h in sides {
+            pulls[surface.origin(previous(h)) as usize][0] -= ((turns[h as usize] - open) / 2.0) as f32;
+        }
+    }
+    let weight = |h: u32| (sectors.cotangent(previous(h)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT) as f32;
+    let Gathered { rows: excess, starts, links } = gather(surface.vertex_count(), |v, links| {
+        let own = links.len();
+        let mut add = |neighbour: u32, weight: f32| match links[own..].iter_mut().find(|l| l.neighbour == neighbour) {
+            Some(link) => link.weight[0] += weight,
+            None => links.push(Link { neighbour, weight: [weight, 0.0] }),
+        };
+        for corner in sectors.of_vertex(v as u32).iter().flat_map(|&s| sectors.corners(surface, s)) {
+            add(surface.target(corner), weight(corner));
+            add(surface.origin(previous(corner)), weight(previous(corner)));
+        }
+        Excess::default()
+    });
+    let levels = coarsen(Level::new(&excess, &starts, links, pulls), excess);
+    let start = levels.len() - 1;
+    let crosses = vec![[0.0, 0.0]; levels[start].len()];
+    Hierarchy { levels, start, crosses, pace: Pace { descents: 8, flows: 0, last_flows: 0 } }
+}

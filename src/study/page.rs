@@ -1,0 +1,78 @@
+//! The page of a study: its table, charts and pictures in one file that needs no other.
+
+use super::charts::{MEASURES, stem};
+use super::{Plan, Row, StudyError, Subject, Table};
+use crate::export::atomic;
+use crate::mesh::connect::ConnectOptions;
+use base64::prelude::{BASE64_STANDARD, Engine};
+use std::fs;
+use std::path::Path;
+
+const STYLE: &str = "body{font:16px/1.5 sans-serif;color:#2c3038;max-width:1240px;margin:2em auto;padding:0 1em}\
+    table{border-collapse:collapse;font-variant-numeric:tabular-nums}td,th{padding:.2em .7em;text-align:right;\
+    border-bottom:1px solid #dde1e6}th:first-child,td:first-child{text-align:left}svg,img{max-width:100%;height:auto}\
+    figure{margin:1em 0;display:inline-block;max-width:32%}figcaption{font-size:14px}.chart{display:block}";
+
+/// What the paper reports of the ONERA M6 wing.
+const PAPER: &str = "<tr><td>the paper, M6</td><td>6000 to 60000</td><td></td><td>about 0.80</td><td>about 0.90</td>\
+    <td>about 0.8</td><td>0.91 to 0.93</td><td></td><td></td><td></td></tr>";
+
+const HEAD: &str = "<tr><th>surface</th><th>points</th><th>vertices</th><th>Qr before</th><th>Qr</th><th>Qg</th><th>Tg</th>\
+    <th>irregular</th><th>faults</th><th>ms</th></tr>";
+
+/// Writes `study.html`; charts and pictures are those of the folder.
+pub(super) fn write(folder: &Path, subjects: &[Subject], plan: &Plan, table: &Table) -> Result<(), StudyError> {
+    let mut page = format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Study</title><style>{STYLE}</style></head>\n\
+         <body>\n<h1>Study: theta and L</h1>\n<p>{}. Theta = 30 degrees and L = 1.6 in the table.</p>\n<table>\n{HEAD}\n",
+        table.program
+    );
+    let usual = ConnectOptions::default();
+    for row in table.rows.iter().filter(|row| row.constraint() == usual) {
+        page.push_str(&line(row));
+    }
+    page.push_str(&format!("{PAPER}\n</table>\n"));
+    for subject in subjects {
+        page.push_str(&format!("<h2>{}</h2>\n", escaped(&subject.name)));
+        for measure in &MEASURES {
+            let svg = read(folder, &format!("{}.svg", stem(subject, measure)))?;
+            page.push_str(&format!("<div class=\"chart\">{}</div>\n", String::from_utf8_lossy(&svg)));
+        }
+        for &points in &plan.points {
+            page.push_str(&format!("<h3>{points} points</h3>\n"));
+            let kinds = [("mosaic", "mosaic"), ("before", "mesh before clean-up"), ("after", "mesh")];
+            for (what, title) in kinds {
+                let png = BASE64_STANDARD.encode(read(folder, &subject.file(points, what))?);
+                page.push_str(&format!(
+                    "<figure><img alt=\"{title}\" src=\"data:image/png;base64,{png}\"><figcaption>{title}</figcaption></figure>\n"
+                ));
+            }
+        }
+    }
+    page.push_str("</body></html>\n");
+    Ok(atomic(&folder.join("study.html"), |writer| writer.write_all(page.as_bytes()))?)
+}
+
+fn line(row: &Row) -> String {
+    let Row { surface, points, before, after, faults, mosaic_ms, mesh_ms, .. } = row;
+    let [qg, tg] = [after.qg, after.tg].map(|mean| mean.map_or("none".to_owned(), |mean| format!("{mean:.3}")));
+    format!(
+        "<tr><td>{}</td><td>{points}</td><td>{}</td><td>{:.3}</td><td>{:.3}</td><td>{qg}</td><td>{tg}</td><td>{}</td>\
+         <td>{faults}</td><td>{:.0}</td></tr>\n",
+        escaped(surface),
+        after.vertices,
+        before.qr,
+        after.qr,
+        after.irregular,
+        mosaic_ms + mesh_ms
+    )
+}
+
+fn read(folder: &Path, name: &str) -> Result<Vec<u8>, StudyError> {
+    let path = folder.join(name);
+    fs::read(&path).map_err(|error| StudyError::Read { path, reason: error.to_string() })
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
+}

@@ -1,0 +1,143 @@
+//! The rows of a study, as CSV and as JSON.
+
+use super::{Plan, StudyError, Subject, TABLE};
+use crate::export::{WriteError, atomic};
+use crate::mesh::Mesh;
+use crate::mesh::connect::ConnectOptions;
+use crate::mesh::quality::Quality;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+const PROGRAM: &str = concat!("quadmosaic ", env!("CARGO_PKG_VERSION"));
+
+/// What a study has found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// The program's name and version.
+    pub program: String,
+    /// By surface, points, and theta and L.
+    pub rows: Vec<Row>,
+}
+
+impl Default for Table {
+    fn default() -> Self {
+        Self { program: PROGRAM.to_owned(), rows: Vec::new() }
+    }
+}
+
+/// One mosaic, connected once.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// The surface's name.
+    pub surface: String,
+    /// A number that stands for its triangles.
+    pub digest: String,
+    /// The vertices asked for.
+    pub points: usize,
+    /// Theta, in degrees.
+    pub max_angle: f64,
+    /// L, in tile sides.
+    pub max_distance: f64,
+    /// The mesh before clean-up.
+    pub before: Figures,
+    /// The mesh.
+    pub after: Figures,
+    /// Holes of the connected mosaic, before they were filled.
+    pub holes: usize,
+    /// Broken invariants of the mesh.
+    pub faults: usize,
+    /// Milliseconds from triangles to a triangulated mosaic, which is made once for many rows.
+    pub mosaic_ms: f64,
+    /// Milliseconds from there to the mesh.
+    pub mesh_ms: f64,
+}
+
+impl Row {
+    pub(super) fn constraint(&self) -> ConnectOptions {
+        ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle }
+    }
+}
+
+/// The measures of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Figures {
+    /// Vertices.
+    pub vertices: usize,
+    /// Quads.
+    pub quads: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// The paper's Qr: quads among all elements.
+    pub qr: f64,
+    /// The paper's mean Qg; absent where there are no quads.
+    pub qg: Option<f64>,
+    /// The paper's mean Tg; absent where there are no triangles.
+    pub tg: Option<f64>,
+    /// Interior vertices without four edges.
+    pub irregular: usize,
+}
+
+impl Figures {
+    pub(super) fn of(mesh: &Mesh) -> Self {
+        let Quality { vertices, quads, triangles, qr, qg, tg, irregular_vertices, .. } = Quality::of(mesh);
+        let mean = |spread: crate::mesh::quality::Spread| spread.mean;
+        Self { vertices, quads, triangles, qr, qg: qg.map(mean), tg: tg.map(mean), irregular: irregular_vertices }
+    }
+}
+
+impl Table {
+    /// In the order of the subjects, of the plan's points, and then by theta and L.
+    pub(super) fn sort(&mut self, subjects: &[Subject], plan: &Plan) {
+        let subject = |row: &Row| subjects.iter().position(|subject| subject.name == row.surface);
+        let points = |row: &Row| plan.points.iter().position(|&points| points == row.points);
+        self.rows.sort_by(|a, b| {
+            (subject(a), points(a))
+                .cmp(&(subject(b), points(b)))
+                .then(a.max_angle.total_cmp(&b.max_angle))
+                .then(a.max_distance.total_cmp(&b.max_distance))
+        });
+    }
+}
+
+/// Reads the table of an earlier run of this program; one of another version counts for nothing.
+pub(super) fn read(path: &Path) -> Result<Table, StudyError> {
+    let failed = |reason: String| StudyError::Read { path: path.to_owned(), reason };
+    match fs::read(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Table::default()),
+        Err(error) => Err(failed(error.to_string())),
+        Ok(bytes) => {
+            let table: Table = serde_json::from_slice(&bytes).map_err(|error| failed(error.to_string()))?;
+            Ok(if table.program == PROGRAM { table } else { Table::default() })
+        }
+    }
+}
+
+/// Writes a table as `study.csv` and `study.json`.
+pub(super) fn write(folder: &Path, table: &Table) -> Result<(), WriteError> {
+    atomic(&folder.join("study.csv"), |writer| csv(writer, table))?;
+    atomic(&folder.join(TABLE), |writer| {
+        serde_json::to_writer_pretty(&mut *writer, table)?;
+        writeln!(writer)
+    })
+}
+
+const HEADER: &str = "surface,points,theta,L,vertices,quads_before,triangles_before,Qr_before,Qg_before,Tg_before,\
+                      irregular_before,quads,triangles,Qr,Qg,Tg,irregular,holes,faults,mosaic_ms,mesh_ms";
+
+fn csv(writer: &mut dyn Write, table: &Table) -> io::Result<()> {
+    writeln!(writer, "{HEADER}")?;
+    for row in &table.rows {
+        let Row { surface, points, max_angle, max_distance, before, after, holes, faults, mosaic_ms, mesh_ms, .. } =
+            row;
+        let name = format!("\"{}\"", surface.replace('"', "\"\""));
+        write!(writer, "{name},{points},{max_angle},{max_distance},{}", after.vertices)?;
+        for Figures { quads, triangles, qr, qg, tg, irregular, .. } in [before, after] {
+            let [qg, tg] = [qg, tg].map(|mean| mean.map_or(String::new(), |mean| format!("{mean:.5}")));
+            write!(writer, ",{quads},{triangles},{qr:.5},{qg},{tg},{irregular}")?;
+        }
+        writeln!(writer, ",{holes},{faults},{mosaic_ms},{mesh_ms}")?;
+    }
+    Ok(())
+}

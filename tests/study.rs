@@ -1,0 +1,121 @@
+//! The study: every pair of theta and L once, charts and a page, and nothing done twice.
+
+mod common;
+
+use common::surfaces::example;
+use quadmosaic::compute::Cpu;
+use quadmosaic::mesh::connect::ConnectOptions;
+use quadmosaic::mesh::quality::Quality;
+use quadmosaic::pipeline::{self, Fineness, Options};
+use quadmosaic::study::{self, Plan, StudyError, Subject, Table};
+use std::cell::RefCell;
+use std::fs;
+use std::path::Path;
+
+fn plan() -> Plan {
+    Plan { points: vec![150, 300], angles: vec![20.0, 30.0], distances: vec![1.6, 2.0] }
+}
+
+fn subject(name: &str) -> Subject {
+    Subject { name: format!("a <{name}>"), stem: name.to_owned(), soup: example(name, 600) }
+}
+
+fn studied(folder: &Path, subjects: &[Subject], plan: &Plan) -> (Table, Vec<String>) {
+    let said = RefCell::new(Vec::new());
+    let last = RefCell::new(0.0);
+    let table = study::run(folder, subjects, plan, &Cpu, &|share, what| {
+        assert!((0.0..=1.0).contains(&share) && share >= *last.borrow(), "{share} after {}", last.borrow());
+        *last.borrow_mut() = share;
+        said.borrow_mut().push(what.to_owned());
+    });
+    (table.unwrap_or_else(|error| panic!("{error}")), said.into_inner())
+}
+
+#[test]
+fn every_pair_is_a_row_with_the_figures_of_a_run() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let subjects = [subject("torus"), subject("plate")];
+    let (table, _) = studied(folder.path(), &subjects, &plan());
+    // 30 degrees and 1.6 are in both sweeps, and done once.
+    let pairs: Vec<_> = table.rows[..3].iter().map(|row| (row.max_angle, row.max_distance)).collect();
+    assert_eq!(pairs, [(20.0, 1.6), (30.0, 1.6), (30.0, 2.0)]);
+    assert_eq!(table.rows.len(), 2 * 2 * 3);
+
+    let row = &table.rows[9];
+    assert_eq!((row.surface.as_str(), row.points, row.max_angle), ("a <plate>", 300, 20.0));
+    let connect = ConnectOptions { max_angle: 20.0, max_distance: 1.6 };
+    let options = Options { connect, ..Options::new(Fineness::Points(300)) };
+    let outcome =
+        pipeline::run(&subjects[1].soup, &options, &Cpu, &|_, _| ()).unwrap_or_else(|error| panic!("{error}"));
+    let [before, after] = [&outcome.before, &outcome.mesh].map(Quality::of);
+    assert_eq!((row.before.quads, row.before.qr), (before.quads, before.qr));
+    assert_eq!((row.after.quads, row.after.qr), (after.quads, after.qr));
+    assert_eq!(row.after.tg, after.tg.map(|spread| spread.mean));
+    assert_eq!((row.holes, row.faults), (outcome.holes, 0));
+
+    let csv = fs::read_to_string(folder.path().join("study.csv")).expect("it is there");
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines.len(), 13);
+    assert!(lines[10].starts_with("\"a <plate>\",300,20,1.6,"), "{}", lines[10]);
+    assert!(lines.iter().all(|line| line.split(',').count() == lines[0].split(',').count()));
+    let page = fs::read_to_string(folder.path().join("study.html")).expect("it is there");
+    assert_eq!(page.matches("<svg").count(), 2 * 4, "a chart for each measure");
+    assert_eq!(page.matches("data:image/png;base64,").count(), 2 * 2 * 3, "mosaic, mesh before, mesh after");
+    assert!(page.contains("a &lt;plate>") && !page.contains("src=\"http"));
+    for name in ["torus-qr.svg", "torus-qr.png", "plate-irregular.png", "plate-300-mosaic.png"] {
+        assert!(folder.path().join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn what_is_done_is_not_done_again() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join(study::TABLE);
+    let subjects = [subject("torus")];
+    let (whole, said) = studied(folder.path(), &subjects, &plan());
+    assert_eq!(said.len(), 2 + 6);
+    // Times are never the same twice: an equal table was not made again.
+    let (again, said) = studied(folder.path(), &subjects, &plan());
+    assert_eq!((&again, said.len()), (&whole, 0));
+
+    // As if it had been interrupted.
+    let mut part = whole.clone();
+    let lost = part.rows.remove(4);
+    fs::write(&file, serde_json::to_vec(&part).expect("it is JSON")).expect("it can be written");
+    let (mended, said) = studied(folder.path(), &subjects, &plan());
+    assert_eq!(said, ["a <torus>, 300 points: mosaic", "a <torus>, 300 points: theta 30, L 1.6"]);
+    assert_eq!(mended.rows.iter().filter(|row| whole.rows.contains(row)).count(), 5);
+    assert_eq!((mended.rows[4].before, mended.rows[4].after), (lost.before, lost.after));
+
+    // More angles are added to what is there; fewer are left out of the table.
+    let more = Plan { angles: vec![20.0, 25.0, 30.0], ..plan() };
+    assert_eq!(studied(folder.path(), &subjects, &more).1.len(), 2 + 2);
+    let (fewer, said) = studied(folder.path(), &subjects, &Plan { points: vec![150], ..plan() });
+    assert_eq!((fewer.rows.len(), said.len()), (3, 0));
+
+    // Another surface of the same name is another one.
+    let other = Subject { soup: example("sphere", 600), ..subjects[0].clone() };
+    let (table, said) = studied(folder.path(), &[other], &Plan { points: vec![150], ..plan() });
+    assert_eq!(said.len(), 1 + 3);
+    assert_ne!(table.rows[0].digest, whole.rows[0].digest);
+}
+
+#[test]
+fn a_table_that_is_none_is_refused_and_one_of_another_version_made_anew() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join(study::TABLE);
+    fs::write(&file, "{").expect("it can be written");
+    let small = Plan { points: vec![100], angles: Vec::new(), distances: Vec::new() };
+    let refused = study::run(folder.path(), &[subject("sphere")], &small, &Cpu, &|_, _| ());
+    assert!(matches!(refused, Err(StudyError::Read { path, .. }) if path == file));
+    fs::write(&file, r#"{"program": "quadmosaic 0.0.0", "rows": []}"#).expect("it can be written");
+    let (table, _) = studied(folder.path(), &[subject("sphere")], &small);
+    assert_eq!(table.rows.len(), 1, "the default pair is always there");
+    assert_ne!(table.program, "quadmosaic 0.0.0");
+
+    let empty = Subject { soup: quadmosaic::surface::Soup::default(), ..subject("torus") };
+    let error = study::run(folder.path(), &[empty], &small, &Cpu, &|_, _| ()).expect_err("there is nothing to mesh");
+    assert!(error.to_string().starts_with("a <torus> at 100 points: "), "{error}");
+    let lost = study::run(&folder.path().join("none"), &[subject("sphere")], &small, &Cpu, &|_, _| ());
+    assert!(matches!(lost, Err(StudyError::Picture(_) | StudyError::Write(_))));
+}
