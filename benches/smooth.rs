@@ -8,7 +8,8 @@ use quadmosaic::pipeline::{Fineness, Options};
 
 fn bench(criterion: &mut Criterion) {
     let (surface, triangulation, mesh) = common::filled();
-    let below = triangulation.free_triangles(None);
+    let all: Vec<u32> = (0..mesh.points.len() as u32).collect();
+    let below = triangulation.free_triangles(&all);
     let passes = Options::new(Fineness::Points(common::POINTS)).smoothing;
     criterion.bench_function("smooth", |b| b.iter(|| smooth(&surface, &mesh, &below, passes)));
 }

@@ -11,14 +11,15 @@ use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
 use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::join::{Joined, join};
+use crate::mesh::pair::{PairCounts, PairOptions, Paired, pair};
 use crate::mesh::regions::with_regions;
-use crate::mesh::smooth::smooth;
+use crate::mesh::smooth::{Smoothed, smooth};
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Mesh, Triangulation};
 use crate::mosaic::fitting::fitting;
 use crate::mosaic::{self, Effort, Layer, Mosaic, Rows};
 use crate::sizes::{SizeOptions, Sizes, SizesError};
-use crate::surface::{FeatureOptions, NamedEdge, Soup, Surface, SurfaceError};
+use crate::surface::{FeatureOptions, NONE, NamedEdge, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -58,6 +59,8 @@ pub struct Options {
     pub holes: Holes,
     /// The clean-up; `None`: the mesh stays as the filling leaves it.
     pub cleanup: Option<CleanOptions>,
+    /// The pairing of triangles that the clean-up leaves; `None`: they stay.
+    pub pairing: Option<PairOptions>,
     /// Passes of smoothing after the clean-up. Default 6; 0: vertices stay where the tiles were.
     pub smoothing: usize,
 }
@@ -77,6 +80,7 @@ impl Options {
             connect: ConnectOptions::default(),
             holes: Holes::default(),
             cleanup: Some(CleanOptions::default()),
+            pairing: Some(PairOptions::default()),
             smoothing: 6,
         }
     }
@@ -97,6 +101,8 @@ pub enum Stage {
     Fill,
     /// Topological clean-up.
     Clean,
+    /// Pairing of the triangles that are left.
+    Pair,
     /// Smoothing.
     Smooth,
 }
@@ -111,6 +117,7 @@ impl Stage {
             Self::Connect => "connect",
             Self::Fill => "fill",
             Self::Clean => "clean",
+            Self::Pair => "pair",
             Self::Smooth => "smooth",
         }
     }
@@ -154,9 +161,14 @@ pub struct Outcome {
     pub holes: usize,
     /// What the clean-up did.
     pub cleaned: Option<CleanCounts>,
+    /// What the pairing of triangles did.
+    pub paired: Option<PairCounts>,
     /// How long each stage took.
     pub times: Vec<(Stage, Duration)>,
 }
+
+/// Passes of smoothing before the pairing.
+const CALMING: usize = 2;
 
 /// What connecting tiles gives: a part of [`Outcome`].
 pub struct Meshed {
@@ -170,6 +182,8 @@ pub struct Meshed {
     pub holes: usize,
     /// What the clean-up did.
     pub cleaned: Option<CleanCounts>,
+    /// What the pairing of triangles did.
+    pub paired: Option<PairCounts>,
 }
 /// Sizes are seen at vertices, and where these show small ones the surface gets more vertices: so often at most.
 const ROUNDS_OF_SIZES: usize = 4;
@@ -200,11 +214,11 @@ pub fn run(
 
     clock.begin(Stage::Connect);
     let triangulation = triangulate(&surface, &field, &mosaic);
-    let Meshed { before, mesh, branches, holes, cleaned } =
+    let Meshed { before, mesh, branches, holes, cleaned, paired } =
         meshed(&surface, &mosaic, &triangulation, options, &mut clock);
 
     let times = clock.finish();
-    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned, times })
+    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned, paired, times })
 }
 
 /// Connects tiles that are triangulated already: as [`run`] does, but for what comes before.
@@ -235,15 +249,30 @@ fn meshed(
         None => (filled.clone(), None),
     };
 
+    let kept: Vec<u32> =
+        counts.as_ref().map_or_else(|| (0..filled.points.len() as u32).collect(), |counts| counts.kept.clone());
+    let below = triangulation.free_triangles(&kept);
+
+    clock.begin(Stage::Pair);
+    let (quads, below, kept, pairs) = match &options.pairing {
+        Some(pairing) => {
+            // Drafts are judged by what smoothing makes of them, so what they are compared with is smoothed too.
+            let calm = smooth(surface, &cleaned, &below, options.smoothing.min(CALMING));
+            let Paired { mesh, kept: of_cleaned, below, counts } =
+                pair(surface, &calm.mesh, &anchors.of(&kept), &calm.below, pairing);
+            let kept = of_cleaned.iter().map(|&v| kept.get(v as usize).copied().unwrap_or(NONE)).collect();
+            (mesh, below, kept, Some(counts))
+        }
+        None => (cleaned, below, kept, None),
+    };
+
     clock.begin(Stage::Smooth);
-    let kept = counts.as_ref().map(|counts| counts.kept.as_slice());
-    let below = triangulation.free_triangles(kept);
-    let smoothed = smooth(surface, &cleaned, &below, options.smoothing);
-    let before = join(&filled, &triangulation.joints(None)).mesh;
-    let named = with_regions(&smoothed, surface, mosaic, triangulation, kept);
-    let Joined { mesh, branches } = join(&named, &triangulation.joints(kept));
+    let Smoothed { mesh: smoothed, below } = smooth(surface, &quads, &below, options.smoothing);
+    let before = join(&filled, &triangulation.same_place).mesh;
+    let named = with_regions(&smoothed, surface, mosaic, &below, &kept);
+    let Joined { mesh, branches } = join(&named, &triangulation.joints(&kept));
     let [before, mesh] = [before, mesh].map(|mesh| mesh.placed(surface.frame()));
-    Meshed { before, mesh, branches, holes, cleaned: counts }
+    Meshed { before, mesh, branches, holes, cleaned: counts, paired: pairs }
 }
 
 /// The surface, with the features that tiles so fine can show, how large they are to be, and how many vertices are wanted.

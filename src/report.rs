@@ -4,6 +4,7 @@ use crate::compute::Backend;
 use crate::field::{self, Field, GuideReport, Seat};
 use crate::mesh::check::{Faults, check_joined};
 use crate::mesh::clean::CleanCounts;
+use crate::mesh::pair::PairCounts;
 use crate::mesh::quality::Quality;
 use crate::mosaic::{Mosaic, fit::Fit};
 use crate::pipeline::{Fineness, Options, Outcome};
@@ -12,7 +13,7 @@ use serde::Serialize;
 use std::time::Duration;
 
 /// The version of [`Report`]'s fields. It grows when a field changes its meaning or goes; new fields leave it as it is.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 const PROGRAM: &str = concat!("quadmosaic ", env!("CARGO_PKG_VERSION"));
 
@@ -39,6 +40,8 @@ pub struct Report {
     pub mesh: Quality,
     /// What the clean-up did; absent where there was none.
     pub cleaned: Option<CleanCounts>,
+    /// What the pairing of triangles did; absent where there was none.
+    pub paired: Option<PairCounts>,
     /// Broken invariants of the mesh, each with its place in model units.
     pub faults: Faults,
     /// How long each stage took, in order.
@@ -149,6 +152,7 @@ impl Report {
             before: Quality::of(&outcome.before),
             mesh: Quality::of(&outcome.mesh),
             cleaned: outcome.cleaned.clone(),
+            paired: outcome.paired,
             faults: check_joined(&outcome.mesh, &outcome.branches),
             total_milliseconds: total(&times),
             times,

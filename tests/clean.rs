@@ -55,12 +55,8 @@ fn area(mesh: &Mesh) -> f64 {
     mesh.faces().flat_map(|face| (0..face.len()).map(move |k| cross(face[k], face[(k + 1) % face.len()]))).sum()
 }
 
-fn patterns() -> CleanOptions {
-    CleanOptions { pair: false, ..CleanOptions::default() }
-}
-
 fn cleaned(mesh: &Mesh, anchors: &Anchors) -> (Mesh, CleanCounts) {
-    clean(mesh, anchors, &patterns())
+    clean(mesh, anchors, &CleanOptions::default())
 }
 
 /// The clean-up leaves the mesh as it is.
@@ -123,7 +119,7 @@ fn the_field_decides_between_two_cuts() {
         (0..6).map(|k| f64::from(k) * std::f64::consts::FRAC_PI_3).map(|t| [t.cos(), t.sin()]).collect();
     let hexagon = mesh(&corners, &[&[0, 1, 2], &[0, 2, 3, 5], &[3, 4, 5]]);
     // Two trapezia are worth less than the rectangle between the triangles, so a high price is set on those.
-    let dear = CleanOptions { triangle_price: 0.5, ..patterns() };
+    let dear = CleanOptions { triangle_price: 0.5, ..CleanOptions::default() };
     for (middle, direction) in [(0_u32, 0.0_f64), (1, 60.0), (2, 120.0)] {
         let mut anchors = free(&hexagon);
         let (sin, cos) = direction.to_radians().sin_cos();
@@ -232,38 +228,6 @@ fn boundary_vertices_stay() {
     assert_eq!((after.points.len(), counts.removed), (4, 0));
 }
 
-/// A row of `n` squares whose rungs lean half a square to the right, between two triangles.
-fn leaning_row(n: u32) -> Mesh {
-    let points: Vec<[f64; 2]> =
-        (0..=n + 1).map(|k| [f64::from(k), 0.0]).chain((0..=n + 1).map(|k| [f64::from(k) - 0.2, 1.0])).collect();
-    let top = n + 2;
-    let mut row = mesh(&points, &[&[0, top + 1, top], &[n, n + 1, top + n + 1]]);
-    for k in 0..n {
-        row.push_face(&[k, k + 1, top + k + 2, top + k + 1]);
-    }
-    row
-}
-
-#[test]
-fn triangles_walk_until_they_meet() {
-    for n in [3, 6] {
-        let row = leaning_row(n);
-        assert!(check(&row).is_clean(), "a fair start");
-        assert_refused(&row, &free(&row));
-        let (after, counts) = clean(&row, &free(&row), &CleanOptions::default());
-        assert_eq!((counts.paired, counts.triangles_after), (1, 0));
-        assert_eq!(after.face_count() as u32, n + 1);
-        assert!(check(&after).is_clean(), "{}", check(&after));
-
-        // A feature across the row stops the walk, and so does a short reach.
-        let top = n + 2;
-        let anchors = with_features(&row, &[[1, top + 2]]);
-        assert_eq!(clean(&row, &anchors, &CleanOptions::default()).0, row);
-        let short = CleanOptions { reach: n as usize + 1, ..CleanOptions::default() };
-        assert_eq!(clean(&row, &free(&row), &short).0, row);
-    }
-}
-
 #[test]
 fn no_second_edge_between_two_vertices() {
     // A tetrahedron: merging any two of its triangles joins nothing anew, but the two quads left would be one face twice.
@@ -367,7 +331,8 @@ fn invariants_hold_on_random_grids() {
         for before in [random_grid(20, 0.3, 0.15, seed), leftovers(20, seed)] {
             let start = check(&before);
             assert!(start.is_clean(), "{start}");
-            for options in [patterns(), CleanOptions::default()] {
+            {
+                let options = CleanOptions::default();
                 let (after, counts) = clean(&before, &free(&before), &options);
                 let faults = check(&after);
                 assert!(faults.is_clean(), "seed {seed}: {faults}");

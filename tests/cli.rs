@@ -99,7 +99,7 @@ fn a_sphere_from_end_to_end() {
     let mesh = read_mesh(&desk.path("out.obj")).expect("it is a mesh");
     let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
 
-    assert_eq!(report["version"], 2);
+    assert_eq!(report["version"], 3);
     assert_eq!(report["surface"]["name"], "example:sphere:2000");
     assert_eq!(report["asked"]["points"], 500);
     assert_eq!(report["mesh"]["vertices"], mesh.points.len());
@@ -110,8 +110,10 @@ fn a_sphere_from_end_to_end() {
     assert!(mesh.points.len().abs_diff(500) <= 25, "{} vertices", mesh.points.len());
 
     let stages: Vec<_> = report["times"].as_array().expect("a list").iter().map(|time| &time["stage"]).collect();
-    let expected =
-        ["read", "device", "surface", "field", "mosaic", "connect", "fill", "clean", "smooth", "measure", "write"];
+    let expected = [
+        "read", "device", "surface", "field", "mosaic", "connect", "fill", "clean", "pair", "smooth", "measure",
+        "write",
+    ];
     assert_eq!(stages, expected);
 
     for part in [

@@ -14,6 +14,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::export::write_obj;
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::fill;
+use quadmosaic::mesh::pair::{self, PairOptions};
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
@@ -55,8 +56,11 @@ pub struct Arguments {
     /// What becomes of faces with more than four sides
     #[arg(long, value_enum, default_value_t, help_heading = "Connection")]
     holes: Holes,
+    /// Which triangles become quads
+    #[arg(long, value_enum, default_value_t, help_heading = "Connection")]
+    quads: Quads,
     /// Leave the mesh as the filling of holes makes it, with its triangles
-    #[arg(long, help_heading = "Connection")]
+    #[arg(long, conflicts_with = "quads", help_heading = "Connection")]
     no_cleanup: bool,
     /// Passes of smoothing at the end, 0 to 1000
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
@@ -95,6 +99,17 @@ enum Holes {
     Triangles,
     /// Left as polygons
     Leave,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Quads {
+    /// Those that the paper's clean-up finds
+    Paper,
+    /// As many as shape allows: triangles walk until they meet, short rows come and go
+    #[default]
+    Most,
+    /// All, at some cost of shape
+    All,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -203,6 +218,12 @@ impl Arguments {
                 Holes::Leave => fill::Holes::Leave,
             },
             cleanup: defaults.cleanup.filter(|_| !self.no_cleanup),
+            pairing: match self.quads {
+                _ if self.no_cleanup => None,
+                Quads::Paper => None,
+                Quads::Most => defaults.pairing,
+                Quads::All => Some(PairOptions { quads: pair::Quads::All, ..PairOptions::default() }),
+            },
             smoothing: self.smoothing,
             ..defaults
         })

@@ -1,6 +1,7 @@
 //! Figures for a person: a name and what there is to say, a line each.
 
 use quadmosaic::mesh::check::Faults;
+use quadmosaic::mesh::pair::PairCounts;
 use quadmosaic::mesh::quality::{Quality, Spread};
 use quadmosaic::report::{Asked, FieldFigures, FieldReport, Input, MosaicReport, Report};
 use quadmosaic::surface::Repairs;
@@ -23,6 +24,7 @@ pub fn of_run(report: &Report) -> String {
         ("Jacobian", jacobian(mesh)),
         ("irregular", irregular(mesh)),
         ("holes", holes),
+        ("pairing", report.paired.map_or("none".to_owned(), pairing)),
         ("check", report.faults.to_string().lines().take(1).collect()),
         ("backend", format!("{}, {}", backend.name, backend.adapter)),
         ("time", format!("{:.0} ms: {}", report.total_milliseconds, times.join(", "))),
@@ -142,6 +144,16 @@ fn faces(mesh: &Quality) -> String {
         count => format!(", {count} of more sides"),
     };
     format!("{}, {}{larger}", counted(mesh.quads, "quad"), counted(mesh.triangles, "triangle"))
+}
+
+fn pairing(counts: PairCounts) -> String {
+    let PairCounts { met, rows_out, rows_in, triangles_before, triangles_after, .. } = counts;
+    let added: String = [(counts.on_boundaries, "open boundaries"), (counts.on_features, "features")]
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, place)| format!(", {} added on {place}", counted(count, "vertex")))
+        .collect();
+    format!("triangles {triangles_before} -> {triangles_after}: {met} met, {rows_out} rows out, {rows_in} in{added}")
 }
 
 fn spread(measure: Option<Spread>) -> String {

@@ -5,14 +5,14 @@ use super::Mesh;
 /// A mesh under work: faces keep their ids while others around them are replaced, and every vertex knows its faces.
 ///
 /// It holds topology and positions only; whoever replaces faces sees to it that the new ones fill the place of the old.
-pub(super) struct Editor<'a> {
-    points: &'a [[f64; 3]],
+pub(super) struct Editor {
+    points: Vec<[f64; 3]>,
     faces: Rows,
     around: Rows,
 }
 
-impl<'a> Editor<'a> {
-    pub(super) fn new(mesh: &'a Mesh) -> Self {
+impl Editor {
+    pub(super) fn new(mesh: &Mesh) -> Self {
         let faces = Rows::of(mesh.faces().map(<[u32]>::len), &mesh.corners);
         let mut valence = vec![0; mesh.points.len()];
         for &vertex in &mesh.corners {
@@ -25,7 +25,7 @@ impl<'a> Editor<'a> {
                 around.push(vertex, id);
             }
         }
-        Self { points: &mesh.points, faces, around }
+        Self { points: mesh.points.clone(), faces, around }
     }
 
     pub(super) fn point(&self, vertex: u32) -> [f64; 3] {
@@ -74,6 +74,32 @@ impl<'a> Editor<'a> {
             let [before, after] = self.wings(*face, vertex);
             self.left(vertex, before).is_none() || self.left(after, vertex).is_none()
         })
+    }
+
+    /// Moves a vertex.
+    pub(super) fn place(&mut self, vertex: u32, point: [f64; 3]) {
+        self.points[vertex as usize] = point;
+    }
+
+    /// Adds a vertex, on no face yet.
+    pub(super) fn add_vertex(&mut self, point: [f64; 3]) -> u32 {
+        self.points.push(point);
+        self.around.add();
+        self.points.len() as u32 - 1
+    }
+
+    /// Gives a face other vertices, none where it is to go; a face that follows the last one is added.
+    pub(super) fn set_face(&mut self, face: u32, corners: &[u32]) {
+        if face as usize == self.face_count() {
+            self.faces.add();
+        }
+        for &vertex in self.faces.get(face) {
+            self.around.remove(vertex, face);
+        }
+        self.faces.set(face, corners);
+        for &vertex in corners {
+            self.around.push(vertex, face);
+        }
     }
 
     /// Puts new faces in the place of at least as many old ones; they take over the first ids.
@@ -133,6 +159,11 @@ impl Rows {
             })
             .collect();
         Self { ids: ids.to_vec(), spans }
+    }
+
+    /// Adds a row without ids.
+    fn add(&mut self) {
+        self.spans.push(Span { start: self.ids.len(), len: 0, room: 0 });
     }
 
     fn clear(&mut self) {

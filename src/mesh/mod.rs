@@ -8,6 +8,7 @@ mod edit;
 pub mod fill;
 mod intrinsic;
 pub mod join;
+pub mod pair;
 pub mod quality;
 mod read;
 pub mod regions;

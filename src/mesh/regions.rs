@@ -1,32 +1,26 @@
 //! Which region of the surface each face lies on.
 
-use super::{Mesh, Triangulation};
+use super::Mesh;
 use crate::mosaic::Mosaic;
 use crate::surface::nearest::TriangleGrid;
 use crate::surface::{Regions, Surface};
 use glam::DVec3;
 
 /// The same mesh, in unit-sized coordinates, with its faces in the order of their regions; as it is where the surface has
-/// none. `kept` names the vertex of the triangulation that each vertex is, where it is not the one of its number.
+/// none. `below` names the triangle below each vertex that is no tile on a feature, `kept` the vertex of the triangulation
+/// that each one is.
 ///
 /// A vertex that is no tile on a feature tells its faces' region, since borders of regions are features. Faces without such
 /// vertices lie where the triangle nearest to their middle does, of the regions that all their vertices touch.
-pub fn with_regions(
-    mesh: &Mesh,
-    surface: &Surface,
-    mosaic: &Mosaic,
-    triangulation: &Triangulation,
-    kept: Option<&[u32]>,
-) -> Mesh {
+pub fn with_regions(mesh: &Mesh, surface: &Surface, mosaic: &Mosaic, below: &[Option<u32>], kept: &[u32]) -> Mesh {
     let regions = surface.regions();
     if regions.of_face.is_empty() {
         return mesh.clone();
     }
     let grid = TriangleGrid::new(surface);
-    let below = triangulation.free_triangles(kept);
     let of = |triangle: u32| regions.of_face[triangle as usize];
     let touched = |v: u32| -> Vec<u32> {
-        let site = kept.map_or(v, |kept| kept[v as usize]) as usize;
+        let site = kept[v as usize] as usize;
         let Some(first) = mosaic.sites.get(site).map(|site| site.first_side as usize) else { return Vec::new() };
         let end = mosaic.sites.get(site + 1).map_or(mosaic.sides, |next| next.first_side as usize);
         mosaic.tiles[first..end].iter().map(|side| of(side.triangle)).collect()

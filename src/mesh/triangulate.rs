@@ -93,24 +93,20 @@ impl Triangulation {
         }
     }
 
-    /// The triangle of the surface below each vertex that may move; of those vertices alone that are named, if any are.
-    pub fn free_triangles(&self, kept: Option<&[u32]>) -> Vec<Option<u32>> {
-        let below = |v: usize| self.is_free(v).then(|| self.tiles[v].triangle);
-        match kept {
-            Some(kept) => kept.iter().map(|&v| below(v as usize)).collect(),
-            None => (0..self.tiles.len()).map(below).collect(),
-        }
+    /// The triangle of the surface below each of these vertices, `None` below those that may not move.
+    pub fn free_triangles(&self, kept: &[u32]) -> Vec<Option<u32>> {
+        kept.iter().map(|&v| self.is_free(v as usize).then(|| self.tiles[v as usize].triangle)).collect()
     }
 
-    /// For each vertex of a mesh, the first of those at its place; `kept` names the vertex that each one was, where it is not
-    /// the one of its number.
-    pub fn joints(&self, kept: Option<&[u32]>) -> Vec<u32> {
-        let Some(kept) = kept else { return self.same_place.clone() };
+    /// For each vertex of a mesh, the first of those at its place; `kept` names the vertex that each one was, [`NONE`] for
+    /// one that is new and has its place for itself.
+    pub fn joints(&self, kept: &[u32]) -> Vec<u32> {
         let mut first = vec![NONE; self.same_place.len()];
         (0..)
             .zip(kept)
             .map(|(v, &old)| {
-                let first = &mut first[self.same_place[old as usize] as usize];
+                let Some(&place) = self.same_place.get(old as usize) else { return v };
+                let first = &mut first[place as usize];
                 *first = v.min(*first);
                 *first
             })

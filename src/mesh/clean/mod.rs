@@ -15,8 +15,7 @@
 //!   share two edges, three triangles, two triangles and a quad, four triangles.
 //!
 //! (a), (b) and (c) are one operation, for 0, 1 and 2 quads: the outline of two triangles and the quads between them is cut
-//! into quads in the best way there is. *Pairing* carries it to longer rows: each triangle in turn would re-cut the pentagon
-//! it forms with the next quad, and so walk along the row until two meet.
+//! into quads in the best way there is. Triangles further apart are [paired](super::pair) afterwards.
 //!
 //! An operation is made where the sum of what the elements are worth grows: a quad its shape (Qg), a triangle half its shape
 //! (Tg) less a price, and an edge aslant to the cross field costs.
@@ -26,7 +25,6 @@
 //! Positions do not change, so a change that smoothing would have made good is judged as it is; `triangle_price` is the loss
 //! of shape that one triangle less may cost.
 
-mod pair;
 mod patch;
 
 use super::Mesh;
@@ -47,6 +45,19 @@ pub struct Anchors {
     pub axes: Vec<[f32; 3]>,
 }
 
+impl Anchors {
+    /// Those of some of the vertices, in ascending order.
+    pub fn of(&self, kept: &[u32]) -> Self {
+        let number = |v: u32| kept.binary_search(&v).ok().map(|place| place as u32);
+        Self {
+            feature_edges: self.feature_edges.iter().filter_map(|&[a, b]| Some([number(a)?, number(b)?])).collect(),
+            fixed: kept.iter().map(|&v| self.fixed[v as usize]).collect(),
+            normals: kept.iter().map(|&v| self.normals[v as usize]).collect(),
+            axes: kept.iter().map(|&v| self.axes[v as usize]).collect(),
+        }
+    }
+}
+
 /// How [`clean`] works.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CleanOptions {
@@ -58,15 +69,11 @@ pub struct CleanOptions {
     pub alignment: f64,
     /// No new quad has a smaller shape (Qg). Default 0.3; 0 still refuses flipped quads.
     pub least_shape: f64,
-    /// Whether triangles further apart are paired after the rounds. Default true.
-    pub pair: bool,
-    /// Longest path from triangle to triangle, both counted, in faces. Default 20.
-    pub reach: usize,
 }
 
 impl Default for CleanOptions {
     fn default() -> Self {
-        Self { rounds: 2, triangle_price: 0.25, alignment: 0.25, least_shape: 0.3, pair: true, reach: 20 }
+        Self { rounds: 2, triangle_price: 0.25, alignment: 0.25, least_shape: 0.3 }
     }
 }
 
@@ -81,8 +88,6 @@ pub struct CleanCounts {
     pub turns: usize,
     /// (d): vertices taken out.
     pub removed: usize,
-    /// Pairs of triangles further apart that met.
-    pub paired: usize,
     /// Triangles before.
     pub triangles_before: usize,
     /// Triangles after.
@@ -110,16 +115,13 @@ pub fn clean(mesh: &Mesh, anchors: &Anchors, options: &CleanOptions) -> (Mesh, C
         counts.merged += cleaner.over_faces(Cleaner::merge);
         counts.removed += cleaner.remove_vertices();
     }
-    if options.rounds > 0 && options.pair {
-        counts.paired = pair::pair(&mut cleaner);
-    }
     counts.triangles_after = cleaner.triangles().count();
     let (mesh, kept) = cleaner.editor.finish();
     (mesh, CleanCounts { kept, ..counts })
 }
 
 struct Cleaner<'a> {
-    editor: Editor<'a>,
+    editor: Editor,
     worth: Worth<'a>,
 }
 

@@ -56,7 +56,7 @@ impl Worth<'_> {
 
 /// Some faces of a mesh, in one piece without a hole.
 pub(super) struct Patch<'a> {
-    editor: &'a Editor<'a>,
+    editor: &'a Editor,
     worth: &'a Worth<'a>,
     faces: &'a [u32],
     /// The outline, counter-clockwise.

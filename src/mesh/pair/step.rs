@@ -1,0 +1,71 @@
+//! The walk of a triangle: with the quad beside it, it forms a pentagon, which is cut into a quad and a triangle anew.
+
+use super::draft::Draft;
+
+/// A cut of the pentagon that a triangle and a quad form.
+#[derive(Clone, Copy)]
+pub(super) struct Step {
+    triangle: u32,
+    quad: u32,
+    /// The pentagon counter-clockwise, from the middle corner of the new triangle on.
+    ring: [u32; 5],
+    /// The ends of the edge between the two.
+    gone: [u32; 2],
+}
+
+/// The other four ways to cut the pentagon of a triangle and the quad beyond its side from `x` to `y`.
+pub(super) fn steps(draft: &Draft, triangle: u32, side: usize, quad: u32) -> impl Iterator<Item = Step> {
+    let corners = draft.face(triangle);
+    let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
+    let beyond = draft.face(quad);
+    let at = beyond.iter().position(|&v| v == y).expect("the quad has the triangle's side");
+    // The triangle as it is lies about the first.
+    let ring = [z, x, beyond[(at + 2) % 4], beyond[(at + 3) % 4], y];
+    (1..5).map(move |tip| {
+        let ring = std::array::from_fn(|k| ring[(tip + k) % 5]);
+        Step { triangle, quad, ring, gone: [x, y] }
+    })
+}
+
+impl Step {
+    /// How much more irregular it leaves the mesh.
+    pub(super) fn cost(&self, draft: &Draft) -> f64 {
+        let come = [self.ring[1], self.ring[4]];
+        let ends = [self.gone[0], self.gone[1], come[0], come[1]];
+        (0..4)
+            .filter(|&k| !ends[..k].contains(&ends[k]))
+            .map(|k| {
+                let more = come.contains(&ends[k]) as i32 - self.gone.contains(&ends[k]) as i32;
+                draft.irregularity(ends[k], more) - draft.irregularity(ends[k], 0)
+            })
+            .sum()
+    }
+
+    /// The corners of the triangle that results, sorted.
+    pub(super) fn key(&self) -> [u32; 3] {
+        let mut key = [self.ring[4], self.ring[0], self.ring[1]];
+        key.sort_unstable();
+        key
+    }
+
+    /// The draft with the triangle one step further: it takes the quad's id.
+    pub(super) fn take<'a>(&self, draft: &Draft<'a>) -> (Draft<'a>, u32) {
+        let [tip, after, p, q, before] = self.ring;
+        let mut stepped = draft.clone();
+        stepped.set_face(self.quad, &[before, tip, after]);
+        stepped.set_face(self.triangle, &[after, p, q, before]);
+        (stepped, self.quad)
+    }
+}
+
+/// The quad of a triangle and the one beyond its side, and what it costs.
+pub(super) fn meet<'a>(draft: &Draft<'a>, triangle: u32, side: usize, other: u32) -> (f64, Draft<'a>) {
+    let corners = draft.face(triangle);
+    let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
+    let tip = *draft.face(other).iter().find(|v| ![x, y].contains(v)).expect("two triangles share two corners");
+    let mut met = draft.clone();
+    met.set_face(triangle, &[z, x, tip, y]);
+    met.set_face(other, &[]);
+    let cost = [x, y].map(|v| draft.irregularity(v, -1) - draft.irregularity(v, 0)).iter().sum();
+    (cost, met)
+}

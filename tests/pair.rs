@@ -1,0 +1,223 @@
+//! The pairing of triangles: each way to do it on a grid of squares that has one fault, and where it must refuse.
+
+use quadmosaic::mesh::Mesh;
+use quadmosaic::mesh::check::check;
+use quadmosaic::mesh::clean::Anchors;
+use quadmosaic::mesh::pair::{PairCounts, PairOptions, Quads, pair};
+use quadmosaic::mesh::quality::Quality;
+use quadmosaic::surface::{FeatureOptions, Soup, Surface};
+
+/// Squares along a side of the grid.
+const SIDE: u32 = 12;
+
+/// A square of two triangles, the lower right one first, that the grid lies on.
+fn plate() -> Surface {
+    let n = f64::from(SIDE);
+    let soup = Soup {
+        points: vec![[0.0; 3], [n, 0.0, 0.0], [n, n, 0.0], [0.0, n, 0.0]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Soup::default()
+    };
+    Surface::new(&soup, &FeatureOptions::default()).unwrap()
+}
+
+fn at(i: u32, j: u32) -> u32 {
+    j * (SIDE + 1) + i
+}
+
+/// A mesh on the plate, in the making.
+#[derive(Clone)]
+struct Grid {
+    points: Vec<[f64; 2]>,
+    faces: Vec<Vec<u32>>,
+    features: Vec<[u32; 2]>,
+}
+
+impl Grid {
+    fn new() -> Self {
+        let points = (0..=SIDE).flat_map(|j| (0..=SIDE).map(move |i| [f64::from(i), f64::from(j)])).collect();
+        let cells = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
+        let faces = cells.map(|(i, j)| vec![at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]).collect();
+        Self { points, faces, features: Vec::new() }
+    }
+
+    /// Cuts the row of squares above (`from`, `j`) to (`to`, `j`) aslant, between two triangles.
+    fn leaning(mut self, from: u32, to: u32, j: u32) -> Self {
+        self.faces.retain(|face| !(from..to).any(|i| face[0] == at(i, j)));
+        self.faces.push(vec![at(from, j), at(from + 1, j + 1), at(from, j + 1)]);
+        self.faces.push(vec![at(to - 1, j), at(to, j), at(to, j + 1)]);
+        for i in from..to - 1 {
+            self.faces.push(vec![at(i, j), at(i + 1, j), at(i + 2, j + 1), at(i + 1, j + 1)]);
+        }
+        self
+    }
+
+    /// Opens the line from (`from`, `j`) to (`to`, `j`) by a row that begins and ends with a triangle.
+    fn with_row(mut self, from: u32, to: u32, j: u32) -> Self {
+        let mut above = vec![at(from, j)];
+        for i in from + 1..to {
+            self.points[at(i, j) as usize][1] -= 0.3;
+            above.push(self.points.len() as u32);
+            self.points.push([f64::from(i), f64::from(j) + 0.3]);
+        }
+        above.push(at(to, j));
+        for face in self.faces.iter_mut().filter(|face| (0..=SIDE).any(|i| face.contains(&at(i, j + 1)))) {
+            for i in from + 1..to {
+                face.iter_mut().filter(|v| **v == at(i, j)).for_each(|v| *v = above[(i - from) as usize]);
+            }
+        }
+        for i in from..to {
+            let (a, b) = ((i - from) as usize, (i - from + 1) as usize);
+            let mut face = vec![at(i, j), at(i + 1, j), above[b], above[a]];
+            face.dedup();
+            if face[0] == face[face.len() - 1] {
+                face.pop();
+            }
+            self.faces.push(face);
+        }
+        self
+    }
+
+    /// Draws the squares above (`from`, `j`) to (`to`, `j`) together, so that triangles are left on both sides.
+    fn without_row(mut self, from: u32, to: u32, j: u32) -> Self {
+        self.faces.retain(|face| !(from..to).any(|i| face[0] == at(i, j)));
+        for i in from..=to {
+            self.points[at(i, j) as usize][1] += 0.5;
+            for face in &mut self.faces {
+                face.iter_mut().filter(|v| **v == at(i, j + 1)).for_each(|v| *v = at(i, j));
+                face.dedup();
+                if face[0] == face[face.len() - 1] {
+                    face.pop();
+                }
+            }
+        }
+        self
+    }
+
+    fn with_features(mut self, edges: &[[u32; 2]]) -> Self {
+        self.features.extend(edges);
+        self
+    }
+
+    fn paired(&self, options: &PairOptions) -> (Mesh, Mesh, PairCounts) {
+        let surface = plate();
+        let mut mesh = Mesh::new(self.points.iter().map(|&[x, y]| surface.frame().to_unit([x, y, 0.0])).collect());
+        self.faces.iter().for_each(|face| mesh.push_face(face));
+        let n = f64::from(SIDE);
+        let on_rim = |&[x, y]: &[f64; 2]| x == 0.0 || y == 0.0 || x == n || y == n;
+        let fixed: Vec<bool> = (0..)
+            .zip(&self.points)
+            .map(|(v, point)| on_rim(point) || self.features.iter().flatten().any(|w| *w == v))
+            .collect();
+        let below: Vec<Option<u32>> =
+            self.points.iter().zip(&fixed).map(|([x, y], fixed)| (!fixed).then_some(u32::from(y > x))).collect();
+        let anchors = Anchors {
+            feature_edges: self.features.clone(),
+            normals: vec![[0.0, 0.0, 1.0]; fixed.len()],
+            axes: vec![[1.0, 0.0, 0.0]; fixed.len()],
+            fixed,
+        };
+        let result = pair(&surface, &mesh, &anchors, &below, options);
+        assert_eq!((result.kept.len(), result.below.len()), (result.mesh.points.len(), result.mesh.points.len()));
+        (mesh, result.mesh, result.counts)
+    }
+}
+
+/// All squares again, and nothing broken.
+#[track_caller]
+fn assert_healed(grid: &Grid) -> PairCounts {
+    let (before, after, counts) = grid.paired(&PairOptions::default());
+    assert_eq!((counts.triangles_before, counts.triangles_after), (2, 0), "{counts:?}");
+    let faults = check(&after);
+    // Vertices on no face before are not the pairing's.
+    assert!(faults.is_clean(), "{faults}");
+    assert_eq!((faults.euler, faults.boundary_loops), (1, 1));
+    assert!(after.faces().all(|face| face.len() == 4));
+    let mean = |mesh: &Mesh| Quality::of(mesh).qg.map(|spread| spread.mean);
+    assert!(mean(&after) > mean(&before));
+    counts
+}
+
+#[track_caller]
+fn assert_refused(grid: &Grid, options: &PairOptions) {
+    let (before, after, counts) = grid.paired(options);
+    assert_eq!((counts.met, counts.rows_in, counts.rows_out), (0, 0, 0));
+    assert_eq!(counts.triangles_after, 2);
+    assert_eq!(before.face_count(), after.face_count());
+}
+
+/// Triangles are worth more than the quads they could be.
+fn cheap() -> PairOptions {
+    PairOptions { triangle_price: -10.0, ..PairOptions::default() }
+}
+
+#[test]
+fn triangles_walk_until_they_meet() {
+    for length in [2, 4, 6] {
+        let grid = Grid::new().leaning(3, 3 + length, 5);
+        let counts = assert_healed(&grid);
+        assert_eq!(counts.met + counts.rows_in + counts.rows_out, 1);
+        assert_refused(&grid, &cheap());
+    }
+    let short = Grid::new().leaning(4, 6, 5);
+    assert_eq!(assert_healed(&short).met, 1);
+    // All about it are features.
+    let cage = [[at(4, 5), at(5, 5)], [at(5, 5), at(6, 5)], [at(4, 6), at(5, 6)], [at(5, 6), at(6, 6)]];
+    let bar = [at(4, 5), at(6, 6)];
+    assert_refused(
+        &short.with_features(&cage).with_features(&[bar, [at(4, 5), at(5, 6)], [at(5, 5), at(6, 6)]]),
+        &PairOptions::default(),
+    );
+}
+
+#[test]
+fn a_row_between_triangles_that_face_each_other_is_taken_out() {
+    for length in [2, 3, 5] {
+        let grid = Grid::new().with_row(3, 3 + length, 6);
+        let counts = assert_healed(&grid);
+        assert_eq!((counts.rows_out, counts.rows_in), (1, 0), "{counts:?}");
+        let (before, after, _) = grid.paired(&PairOptions::default());
+        assert_eq!(before.points.len() - after.points.len(), length as usize - 1);
+        assert_eq!(Quality::of(&after).irregular_vertices, 0);
+        assert_refused(&grid, &cheap());
+    }
+}
+
+#[test]
+fn a_row_between_triangles_that_look_away_is_put_in() {
+    for length in [0, 1, 3] {
+        let mut grid = Grid::new().without_row(4, 4 + length, 5);
+        // The vertices that went lie on no face: they take the places of others.
+        let used: Vec<u32> =
+            (0..grid.points.len() as u32).filter(|v| grid.faces.iter().flatten().any(|w| w == v)).collect();
+        grid.points = used.iter().map(|v| grid.points[*v as usize]).collect();
+        let number = |v: &mut u32| *v = used.binary_search(v).unwrap() as u32;
+        grid.faces.iter_mut().flatten().for_each(number);
+        let counts = assert_healed(&grid);
+        assert_eq!((counts.rows_in, counts.rows_out), (1, 0), "{counts:?}");
+        let (before, after, _) = grid.paired(&PairOptions::default());
+        assert_eq!(after.points.len() - before.points.len(), length as usize + 1);
+        assert_eq!(Quality::of(&after).irregular_vertices, 0);
+        assert_refused(&grid, &cheap());
+    }
+}
+
+#[test]
+fn far_triangles_meet_where_all_are_to_be_quads() {
+    let grid = Grid::new().leaning(1, 11, 5);
+    let near = PairOptions { drafts: 2, longest_row: 1, ..PairOptions::default() };
+    assert_refused(&grid, &near);
+    let (_, after, counts) = grid.paired(&PairOptions { quads: Quads::All, drafts: 1, longest_row: 0, ..near });
+    assert_eq!(counts.triangles_after, 0, "{counts:?}");
+    assert!(check(&after).is_clean(), "{}", check(&after));
+    assert!(after.faces().all(|face| face.len() == 4));
+}
+
+#[test]
+fn the_same_twice_and_nothing_to_do_is_nothing_done() {
+    let grid = Grid::new().leaning(3, 7, 5).with_row(2, 6, 9);
+    let run = || grid.paired(&PairOptions::default()).1;
+    assert_eq!(run(), run());
+    let (before, after, counts) = Grid::new().paired(&PairOptions { quads: Quads::All, ..PairOptions::default() });
+    assert_eq!((before, counts), (after, PairCounts::default()));
+}
