@@ -189,6 +189,12 @@ impl<'a> Draft<'a> {
         touched
     }
 
+    /// How many vertices come, less those that are left without a face.
+    pub(super) fn growth(&self) -> i64 {
+        let gone = self.touched().into_iter().filter(|v| self.around(*v).next().is_none()).count();
+        self.copies.len() as i64 - gone as i64
+    }
+
     /// Whether the faces at the vertices that it touches are still a manifold: one fan round each vertex, of three
     /// faces at least where it closes, and no two faces with the same vertices.
     pub(super) fn is_sound(&self) -> bool {

@@ -142,6 +142,8 @@ struct Work<'a> {
     scene: Scene,
     below: Vec<Option<u32>>,
     options: PairOptions,
+    /// Vertices that have come, less those that have gone.
+    drift: i64,
 }
 
 /// Rounds at most; each leaves those for the next whose surroundings another has changed.
@@ -156,6 +158,10 @@ const HOPE: f64 = 2.5;
 const CHEAP: f64 = 0.35;
 /// Drafts that cost more are not followed.
 const MOST: f64 = 2.6;
+/// The count of vertices changes by one in so many at most, since so many were asked for, ...
+const DRIFT: i64 = 100;
+/// ... but on small meshes by this.
+const LEAST_DRIFT: i64 = 12;
 /// The price of a triangle where all are to go.
 const DEAR: f64 = 3.0;
 /// Drafts that gain less are not made.
@@ -173,7 +179,7 @@ impl<'a> Work<'a> {
         for v in (0..).zip(&scene.fixed).filter(|(_, fixed)| **fixed).map(|(v, _)| v).collect::<Vec<u32>>() {
             scene.ideal[v as usize] = ideal_valence(&scene, v);
         }
-        Self { surface, scene, below: below.to_vec(), options: *options }
+        Self { surface, scene, below: below.to_vec(), options: *options, drift: 0 }
     }
 
     fn triangles(&self) -> Vec<u32> {
@@ -183,6 +189,7 @@ impl<'a> Work<'a> {
 
     fn run(&mut self, counts: &mut PairCounts) {
         let mut waiting = self.triangles();
+        let most_drift = (self.scene.editor.vertex_count() as i64 / DRIFT).max(LEAST_DRIFT);
         for _ in 0..ROUNDS {
             let mut found: Vec<Found> = waiting.par_iter().filter_map(|t| self.best(*t)).collect();
             found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
@@ -198,6 +205,11 @@ impl<'a> Work<'a> {
                 let draft = change.onto(&self.scene);
                 let settled = settle(&draft, self.options.triangle_price, self.options.least_shape);
                 let Some(settled) = settled.filter(|settled| settled.gain > LEAST_GAIN) else { continue };
+                let drift = self.drift + draft.growth();
+                if drift.abs() > self.drift.abs().max(most_drift) {
+                    continue;
+                }
+                self.drift = drift;
                 changed.extend(draft.changed().map(|(face, _)| face));
                 again.extend(settled.core);
                 let change = Change::of(&draft);
