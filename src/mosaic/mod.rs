@@ -309,10 +309,11 @@ impl Layer<'_> {
         let mut phases = Phases::solve(surface, field, side, self.backend)?;
         let row_ends = phases.close(surface, self.backend)?;
         phases.multiply(finer);
-        let chart = Chart::new(surface, &phases);
+        let mut chart = Chart::new(surface, &phases);
         let tiles = lattice::woven(surface, field, &phases, &chart, h);
         let woven = Mosaic::new(surface, field, h, Rulers::new(surface, field, &phases), tiles);
         let tiles = census::thin(&woven, lattice::DOUBLE);
+        chart.keep_cones(&tiles[woven.sides..]);
         Ok(Mosaic { tiles, chart: Some(chart), row_ends: Some(row_ends), ..woven })
     }
 
