@@ -91,6 +91,11 @@ impl Grid {
                 }
             }
         }
+        let used = |v: &u32| self.faces.iter().flatten().any(|w| w == v);
+        let used: Vec<u32> = (0..self.points.len() as u32).filter(used).collect();
+        let number = |v: &mut u32| *v = used.binary_search(v).expect("it is used") as u32;
+        self.faces.iter_mut().flatten().for_each(number);
+        self.points = used.iter().map(|v| self.points[*v as usize]).collect();
         self
     }
 
@@ -129,7 +134,6 @@ fn assert_healed(grid: &Grid) -> PairCounts {
     let (before, after, counts) = grid.paired(&PairOptions::default());
     assert_eq!((counts.triangles_before, counts.triangles_after), (2, 0), "{counts:?}");
     let faults = check(&after);
-    // Vertices on no face before are not the pairing's.
     assert!(faults.is_clean(), "{faults}");
     assert_eq!((faults.euler, faults.boundary_loops), (1, 1));
     assert!(after.faces().all(|face| face.len() == 4));
@@ -186,13 +190,7 @@ fn a_row_between_triangles_that_face_each_other_is_taken_out() {
 #[test]
 fn a_row_between_triangles_that_look_away_is_put_in() {
     for length in [0, 1, 3] {
-        let mut grid = Grid::new().without_row(4, 4 + length, 5);
-        // The vertices that went lie on no face: they take the places of others.
-        let used: Vec<u32> =
-            (0..grid.points.len() as u32).filter(|v| grid.faces.iter().flatten().any(|w| w == v)).collect();
-        grid.points = used.iter().map(|v| grid.points[*v as usize]).collect();
-        let number = |v: &mut u32| *v = used.binary_search(v).unwrap() as u32;
-        grid.faces.iter_mut().flatten().for_each(number);
+        let grid = Grid::new().without_row(4, 4 + length, 5);
         let counts = assert_healed(&grid);
         assert_eq!((counts.rows_in, counts.rows_out), (1, 0), "{counts:?}");
         let (before, after, _) = grid.paired(&PairOptions::default());
@@ -211,6 +209,21 @@ fn far_triangles_meet_where_all_are_to_be_quads() {
     assert_eq!(counts.triangles_after, 0, "{counts:?}");
     assert!(check(&after).is_clean(), "{}", check(&after));
     assert!(after.faces().all(|face| face.len() == 4));
+}
+
+#[test]
+fn an_odd_boundary_gets_one_more_vertex_where_all_are_to_be_quads() {
+    // A row is missing from a triangle to the rim, which has a vertex less there.
+    let grid = Grid::new().without_row(8, SIDE, 5);
+    let (before, after, counts) = grid.paired(&PairOptions::default());
+    assert_eq!((counts.triangles_after, counts.on_boundaries), (1, 0), "alone it stays");
+    assert_eq!(before.faces().len(), after.faces().len());
+    let (before, after, counts) = grid.paired(&PairOptions { quads: Quads::All, ..PairOptions::default() });
+    assert_eq!((counts.triangles_after, counts.on_boundaries, counts.on_features), (0, 1, 0), "{counts:?}");
+    assert!(check(&after).is_clean(), "{}", check(&after));
+    assert!(after.faces().all(|face| face.len() == 4));
+    let rim = |mesh: &Mesh| mesh.edges().iter().filter(|edge| edge.is_boundary()).count();
+    assert_eq!(rim(&after), rim(&before) + 1);
 }
 
 #[test]

@@ -6,9 +6,9 @@
 //! triangle walks, since with the quad beside it it forms a pentagon that can be cut anew. Along the column beside it a walk
 //! costs nothing (it glides), in other directions it leaves a vertex of valence 3 and one of valence 5 behind.
 //!
-//! From each triangle a uniform-cost search goes over its steps ([`step`]) and tries rows ([`rows`]) from the cheap ones,
+//! From each triangle a uniform-cost search goes over its steps (`step.rs`) and tries rows (`rows.rs`) from the cheap ones,
 //! where cost is the growth of the sum of squared differences of valences from what they should be: 4, and on features
-//! one face for each right angle. The cheapest ends are settled ([`settle`]): the vertices about them move to where they will
+//! one face for each right angle. The cheapest ends are settled (`settle.rs`): the vertices about them move to where they will
 //! be in the end, and the shapes that result decide. Changes are made in the order of their gains, judged once more
 //! when they are made; triangles near a change are looked at again in the next round.
 //!

@@ -192,7 +192,8 @@ impl<'a, 'b> Lines<'a, 'b> {
         let (right, left) = (draft.left(at, from)?, draft.left(from, at)?);
         let ends = [draft.wings(right, at)[0], draft.wings(left, at)[1]];
         let ways = ends.map(|end| (draft.point(end) - draft.point(at)).normalize_or_zero());
-        if ends.iter().any(|&end| draft.across(at, end).is_some() || draft.across(end, at).is_some())
+        if draft.across(ends[0], at).is_some()
+            || draft.across(at, ends[1]).is_some()
             || ways[0].dot(ways[1]) > -STRAIGHT
         {
             return None;
