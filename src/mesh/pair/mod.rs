@@ -159,9 +159,9 @@ const CHEAP: f64 = 0.35;
 /// Drafts that cost more are not followed.
 const MOST: f64 = 2.6;
 /// The count of vertices changes by one in so many at most, since so many were asked for, ...
-const DRIFT: i64 = 100;
+const DRIFT: i64 = 150;
 /// ... but on small meshes by this.
-const LEAST_DRIFT: i64 = 12;
+const LEAST_DRIFT: i64 = 2;
 /// The price of a triangle where all are to go.
 const DEAR: f64 = 3.0;
 /// Drafts that gain less are not made.
