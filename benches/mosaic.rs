@@ -10,7 +10,7 @@ fn bench(criterion: &mut Criterion) {
     let field = common::field(&surface);
     criterion.bench_function("mosaic", |b| b.iter(|| common::mosaic(&surface, &field)));
     let tiles = common::mosaic(&surface, &field).tiles;
-    let batch = Relaxation::new(Effort::default().steps, tiles[0].h);
+    let batch = Relaxation::new(Effort::default().steps, tiles[0].h, field.sizes());
     criterion.bench_function("mosaic/relax", |b| b.iter(|| relax::relax(&surface, &field, &tiles, &batch)));
 }
 

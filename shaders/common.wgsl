@@ -8,6 +8,29 @@ fn invocation_of(group: vec3<u32>, groups: vec3<u32>, local: u32) -> u32 {
     return (group.y * groups.x + group.x) * WORKGROUP + local;
 }
 
+// No id, and no half-edge.
+const NONE: u32 = 0xffffffffu;
+
+fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// ---- Tiles: the same record and numbers as in src/mosaic ----
+
+struct Tile {
+    position: vec3<f32>,
+    h: f32,
+    normal: vec3<f32>,
+    triangle: u32,
+    axis: vec3<f32>,
+    quarters: u32,
+}
+
+// How far a tile sees, how much further its neighbour list goes, in tile sides, and the longest list.
+const REACH: f32 = 1.75;
+const SKIN: f32 = 0.2;
+const SLOTS: u32 = 16u;
+
 // ---- The neighbour grid: the twin of src/mosaic/grid.rs ----
 
 struct Grid {

@@ -1,17 +1,8 @@
 // One step of relaxation: tiles push and pull each other into rows and walk on the surface.
-// The twin of src/mosaic/relax.rs, src/surface/walk.rs and `axis_at` in src/field/mod.rs: the same operations in the
+// The twin of src/mosaic/relax.rs, src/surface/walk.rs, `Sizes::at` and `axis_at` in src/field/mod.rs: the same operations in the
 // same order, so that both give the same bits where the device rounds as IEEE 754 does.
 
-struct Tile {
-    position: vec3<f32>,
-    h: f32,
-    normal: vec3<f32>,
-    triangle: u32,
-    axis: vec3<f32>,
-    quarters: u32,
-}
-
-// A triangle of the surface. `beyond`: the opposite half-edge of each half-edge; BARRIER where it may not be crossed.
+// A triangle of the surface. `beyond`: the opposite half-edge of each half-edge; NONE where it may not be crossed.
 struct Triangle {
     corners: array<u32, 3>,
     beyond: array<u32, 3>,
@@ -19,28 +10,24 @@ struct Triangle {
 
 @group(0) @binding(0) var<uniform> grid: Grid;
 @group(0) @binding(1) var<storage, read> tiles: array<Tile>;
-@group(0) @binding(2) var<storage, read> starts: array<u32>;
-@group(0) @binding(3) var<storage, read> ids: array<u32>;
-@group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
-@group(0) @binding(5) var<storage, read> triangles: array<Triangle>;
+// As shaders/neighbours.wgsl makes them.
+@group(0) @binding(2) var<storage, read> lists: array<u32>;
+// The vertices of the surface, each with the relative size of tiles there.
+@group(0) @binding(3) var<storage, read> points: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read> triangles: array<Triangle>;
 // The crosses at the corners of each triangle, against its first edge.
-@group(0) @binding(6) var<storage, read> crosses: array<array<vec2<f32>, 3>>;
-@group(0) @binding(7) var<storage, read_write> moved: array<Tile>;
-
-const BARRIER: u32 = 0xffffffffu;
+@group(0) @binding(5) var<storage, read> crosses: array<array<vec2<f32>, 3>>;
+@group(0) @binding(6) var<storage, read_write> moved: array<Tile>;
+// The scale of the tiles' sizes.
+@group(0) @binding(7) var<uniform> scale: f32;
 
 // The same numbers stand in src/mosaic/relax.rs and src/surface/walk.rs.
 const LEAST_COSINE: f32 = 0.2;
-const REACH: f32 = 1.75;
 const SHEET: f32 = 0.6;
 const STEP: f32 = 0.7;
 const DIAGONAL: f32 = 0.5;
 const WALK_EDGES: u32 = 256u;
 const ARC: vec3<f32> = vec3<f32>(0.16666667, 0.075, 0.04464286);
-
-fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
 
 fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
@@ -79,15 +66,32 @@ fn corner(triangle: u32, k: u32) -> vec3<f32> {
     return points[triangles[triangle].corners[k]].xyz;
 }
 
-fn axis_at(triangle: u32, position: vec3<f32>) -> vec3<f32> {
+// How far a point of a triangle is towards its second and third corner, in shares of the way from the first.
+fn shares(triangle: u32, position: vec3<f32>) -> vec2<f32> {
     let a = corner(triangle, 0u);
     let b = corner(triangle, 1u);
     let c = corner(triangle, 2u);
     let double_area = cross3(b - a, c - a);
     let normal = unit(double_area);
     let total = dot3(double_area, normal);
-    let wb = clamp(-dot3(cross3(c - a, position - a), normal) / total, 0.0, 1.0);
-    let wc = clamp(dot3(cross3(b - a, position - a), normal) / total, 0.0, 1.0);
+    return vec2<f32>(
+        clamp(-dot3(cross3(c - a, position - a), normal) / total, 0.0, 1.0),
+        clamp(dot3(cross3(b - a, position - a), normal) / total, 0.0, 1.0),
+    );
+}
+
+fn size_at(triangle: u32, share: vec2<f32>) -> f32 {
+    let corners = triangles[triangle].corners;
+    let a = points[corners[0]].w;
+    return a + (points[corners[1]].w - a) * share.x + (points[corners[2]].w - a) * share.y;
+}
+
+fn axis_at(triangle: u32, share: vec2<f32>) -> vec3<f32> {
+    let a = corner(triangle, 0u);
+    let b = corner(triangle, 1u);
+    let normal = unit(cross3(b - a, corner(triangle, 2u) - a));
+    let wb = share.x;
+    let wc = share.y;
     let wa = max(1.0 - wb - wc, 0.0);
     let z = crosses[triangle];
     let root = fourth_root(vec2<f32>(
@@ -110,12 +114,12 @@ fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -
     var p = from_position;
     var heading = displacement;
     var left = 1.0;
-    var entered = BARRIER;
+    var entered = NONE;
     for (var edge = 0u; edge < WALK_EDGES; edge++) {
         var corners = array<vec3<f32>, 3>(corner(t, 0u), corner(t, 1u), corner(t, 2u));
         let normal = unit(cross3(corners[1] - corners[0], corners[2] - corners[0]));
         let way = heading * left;
-        var exit = BARRIER;
+        var exit = NONE;
         var share = 1.0;
         for (var k = 0u; k < 3u; k++) {
             let h = 3u * t + k;
@@ -134,7 +138,7 @@ fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -
             }
         }
         p += way * share;
-        if exit == BARRIER {
+        if exit == NONE {
             return Footing(t, p - normal * dot3(normal, p - corners[0]));
         }
         left *= 1.0 - share;
@@ -142,7 +146,7 @@ fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -
         let along = unit(corners[(k + 1u) % 3u] - corners[k]);
         let forward = dot3(heading, along);
         let twin = triangles[t].beyond[k];
-        if twin == BARRIER {
+        if twin == NONE {
             heading = along * forward;
             entered = exit;
             continue;
@@ -181,39 +185,50 @@ fn see(a: Tile, b: Tile) -> Sight {
     if cosine < LEAST_COSINE {
         return sight;
     }
-    let n = unit(a.normal + b.normal);
+    let n = a.normal + b.normal;
+    let nn = dot3(n, n);
+    let height = dot3(e, n);
+    if height * height > (SHEET * h) * (SHEET * h) * nn {
+        return sight;
+    }
     let bx = b.axis;
     let by = cross3(b.normal, b.axis);
     let behind = h * 1e-3;
-    if abs(dot3(e, n)) > SHEET * h
-        || ((b.quarters == 1u || b.quarters == 2u) && dot3(e, by) > behind)
+    if ((b.quarters == 1u || b.quarters == 2u) && dot3(e, by) > behind)
         || (b.quarters == 1u && dot3(e, bx) > behind) {
         return sight;
     }
     let dx = dot3(a.axis, bx);
     let dy = dot3(a.axis, by);
-    var nearest = select(by, -by, dy < 0.0);
-    if abs(dx) >= abs(dy) {
-        nearest = select(bx, -bx, dx < 0.0);
+    let turned = select(0.0, 1.0, abs(dx) < abs(dy));
+    let sum = a.axis + bx * ((1.0 - turned) * sign_of(dx)) + by * (turned * sign_of(dy));
+    let x = sum - n * (dot3(n, sum) / nn);
+    let xx = dot3(x, x);
+    var scale = 0.0;
+    if xx > 0.0 {
+        scale = 1.0 / sqrt(xx);
     }
-    let sum = a.axis + nearest;
-    sight.x = unit(sum - n * dot3(n, sum));
-    sight.y = cross3(n, sight.x);
+    sight.x = x * scale;
+    sight.y = cross3(n, sight.x) * (1.0 / sqrt(nn));
     let s2 = (1.0 - cosine) * 0.5;
-    let stretch = 1.0 + s2 * (ARC.x + s2 * (ARC.y + s2 * ARC.z));
-    sight.u = vec2<f32>(dot3(e, sight.x) * stretch / h, dot3(e, sight.y) * stretch / h);
+    let stretch = (1.0 + s2 * (ARC.x + s2 * (ARC.y + s2 * ARC.z))) / h;
+    sight.u = vec2<f32>(dot3(e, sight.x) * stretch, dot3(e, sight.y) * stretch);
     sight.h = h;
     sight.seen = true;
     return sight;
+}
+
+fn sign_of(t: f32) -> f32 {
+    return select(1.0, -1.0, t < 0.0);
 }
 
 fn away(t: f32, first: bool) -> f32 {
     return select(-1.0, 1.0, t > 0.0 || (t == 0.0 && first));
 }
 
-// The lattice place that is nearest to where the other lies; never (0, 0).
+// The place in the lattice, next to the tile, that is nearest to where the other lies; `u` within 1.5.
 fn place(u: vec2<f32>, first: bool) -> vec2<f32> {
-    let k = round(u);
+    let k = select(vec2<f32>(0.0), vec2<f32>(sign_of(u.x), sign_of(u.y)), abs(u) > vec2<f32>(0.5));
     if k.x != 0.0 || k.y != 0.0 {
         return k;
     }
@@ -240,33 +255,19 @@ fn relax(
     }
     var pull = vec3<f32>(0.0);
     var weight = 0.0;
-    let here = cell_of(tile.position, grid.per_unit);
-    for (var number = 0u; number < 9u; number++) {
-        let row = row_of(here, number);
-        for (var part = 0u; part < 2u; part++) {
-            let run = run_of(row, part, grid.mask);
-            let end = starts[run.y];
-            for (var slot = starts[run.x]; slot < end; slot++) {
-                let other = ids[slot];
-                if other == id {
-                    continue;
-                }
-                let near = tiles[other];
-                if !in_row(cell_of(near.position, grid.per_unit), row) {
-                    continue;
-                }
-                let sight = see(tile, near);
-                if !sight.seen {
-                    continue;
-                }
-                let k = place(sight.u, id < other);
-                if abs(k.x) <= 1.0 && abs(k.y) <= 1.0 {
-                    let w = select(1.0, DIAGONAL, k.x != 0.0 && k.y != 0.0);
-                    pull += (sight.x * (sight.u.x - k.x) + sight.y * (sight.u.y - k.y)) * (w * sight.h);
-                    weight += w;
-                }
-            }
+    for (var slot = 0u; slot < SLOTS; slot++) {
+        let other = lists[slot * grid.count + id];
+        if other == NONE {
+            break;
         }
+        let sight = see(tile, tiles[other]);
+        if !sight.seen || abs(sight.u.x) >= 1.5 || abs(sight.u.y) >= 1.5 {
+            continue;
+        }
+        let k = place(sight.u, id < other);
+        let w = select(1.0, DIAGONAL, k.x != 0.0 && k.y != 0.0);
+        pull += (sight.x * (sight.u.x - k.x) + sight.y * (sight.u.y - k.y)) * (w * sight.h);
+        weight += w;
     }
     let step = pull * (STEP / max(weight, 2.0));
     let foot = walk(tile.triangle, tile.position, step - tile.normal * dot3(tile.normal, step));
@@ -275,6 +276,8 @@ fn relax(
     result.position = foot.position;
     result.triangle = foot.triangle;
     result.normal = unit(cross3(corner(foot.triangle, 1u) - a, corner(foot.triangle, 2u) - a));
-    result.axis = axis_at(foot.triangle, foot.position);
+    let share = shares(foot.triangle, foot.position);
+    result.h = scale * size_at(foot.triangle, share);
+    result.axis = axis_at(foot.triangle, share);
     moved[id] = result;
 }

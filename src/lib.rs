@@ -13,5 +13,6 @@ pub mod mosaic;
 pub mod picture;
 pub mod pipeline;
 pub mod report;
+pub mod sizes;
 pub mod study;
 pub mod surface;

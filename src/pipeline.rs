@@ -16,7 +16,9 @@ use crate::mesh::regions::with_regions;
 use crate::mesh::smooth::{Smoothed, smooth};
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Mesh, Triangulation};
+use crate::mosaic::fitting::fitting;
 use crate::mosaic::{self, Effort, Layer, Mosaic, Rows};
+use crate::sizes::{SizeOptions, Sizes, SizesError};
 use crate::surface::{FeatureOptions, NONE, NamedEdge, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -26,8 +28,10 @@ use thiserror::Error;
 pub enum Fineness {
     /// This many vertices.
     Points(usize),
-    /// As many as tiles of this side, in model units, cover the surface.
+    /// As many as equal tiles of this side, in model units, cover the surface.
     Size(f64),
+    /// As many as tiles of the sizes that samples give, in model units, cover the surface.
+    Sampled,
 }
 
 /// What the method can be told.
@@ -47,6 +51,8 @@ pub struct Options {
     pub fit: f64,
     /// The largest side over the mean one, and the mean over the smallest, that fitting may ask for. Default 2.5.
     pub fit_range: f64,
+    /// Where tiles are to be smaller or larger than elsewhere.
+    pub sizes: SizeOptions,
     /// When two tiles are connected.
     pub connect: ConnectOptions,
     /// What to do with holes.
@@ -70,6 +76,7 @@ impl Options {
             rows: Rows::default(),
             fit: 0.0,
             fit_range: 2.5,
+            sizes: SizeOptions::default(),
             connect: ConnectOptions::default(),
             holes: Holes::default(),
             cleanup: Some(CleanOptions::default()),
@@ -126,6 +133,9 @@ pub enum PipelineError {
     /// The backend failed.
     #[error(transparent)]
     Compute(#[from] ComputeError),
+    /// The asked sizes make no sense.
+    #[error(transparent)]
+    Sizes(#[from] SizesError),
     /// The asked fineness makes no sense.
     #[error("{0}")]
     Fineness(String),
@@ -175,6 +185,8 @@ pub struct Meshed {
     /// What the pairing of triangles did.
     pub paired: Option<PairCounts>,
 }
+/// Sizes are seen at vertices, and where these show small ones the surface gets more vertices: so often at most.
+const ROUNDS_OF_SIZES: usize = 4;
 
 /// Fewest and most vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
@@ -192,10 +204,10 @@ pub fn run(
     let mut clock = Clock { progress, times: Vec::new(), started: Instant::now() };
 
     clock.begin(Stage::Surface);
-    let (surface, count) = prepare(soup, options)?;
+    let (surface, sizes, count) = prepare(soup, options)?;
 
     clock.begin(Stage::Field);
-    let field = field(&surface, count, options, backend)?;
+    let field = field(&surface, sizes, count, options, backend)?;
 
     clock.begin(Stage::Mosaic);
     let mosaic = lay(&surface, &field, backend, count, options, &|share| progress(Stage::Mosaic, share))?;
@@ -263,29 +275,52 @@ fn meshed(
     Meshed { before, mesh, branches, holes, cleaned: counts, paired: pairs }
 }
 
-/// The surface, with the features that tiles so fine can show, and how many vertices are wanted.
+/// The surface, with the features that tiles so fine can show, how large they are to be, and how many vertices are wanted.
 ///
 /// # Errors
-/// Where the surface cannot be meshed or the fineness makes no sense.
-pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, usize), PipelineError> {
+/// Where the surface cannot be meshed or the fineness or the sizes make no sense.
+pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize), PipelineError> {
     let features = &options.features;
     let surface = Surface::new(soup, features)?.with_edges(soup, &options.edges, features)?;
-    let count = count(&surface, options.fineness)?;
+    let count = count(&surface, options)?;
     let side = mosaic::side_for_count(&surface, count);
-    let surface = surface.fitted(features, side);
-    let longest = mosaic::longest_edge(&surface, count);
-    let surface = surface.divided(longest, features);
-    Ok((surface, count))
+    let mut surface = surface.fitted(features, side);
+    let mut wanted = options.sizes.on(&surface, f64::from(side));
+    let mut sizes = wanted.sizes(&surface, count)?;
+    for _ in 0..ROUNDS_OF_SIZES {
+        let longest = mosaic::longest_edges(&surface, &sizes, count);
+        let middles;
+        (surface, middles) = surface.divided(longest, features);
+        if middles.is_empty() || sizes.is_equal() {
+            break;
+        }
+        wanted = wanted.divided(&surface, &middles);
+        sizes = wanted.sizes(&surface, count)?;
+    }
+    Ok((surface, sizes, count))
 }
 
-/// The field that `count` tiles would be laid along: curvature is seen at their scale.
+/// The field that `count` tiles would be laid along, curvature being seen at their scale, and the sizes of the tiles: these,
+/// and if asked those that fit the field.
 ///
 /// # Errors
 /// Where the backend fails.
-pub fn field(surface: &Surface, count: usize, options: &Options, backend: &dyn Backend) -> Result<Field, ComputeError> {
+pub fn field(
+    surface: &Surface,
+    sizes: Sizes,
+    count: usize,
+    options: &Options,
+    backend: &dyn Backend,
+) -> Result<Field, PipelineError> {
     let side = surface.frame().diagonal * f64::from(mosaic::side_for_count(surface, count));
     let align = options.field.align.map(|align| Align { side: align.side.or(Some(side)), ..align });
-    Field::new(surface, &FieldOptions { align, ..options.field.clone() }, backend)
+    let field = Field::new(surface, &FieldOptions { align, ..options.field.clone() }, backend)?;
+    if options.fit == 0.0 {
+        return Ok(field.with_sizes(sizes));
+    }
+    let fitting = fitting(surface, &field, options.fit_range, backend)?;
+    let fitting = fitting.iter().map(|log| (options.fit * log).exp() as f32).collect();
+    Ok(field.with_sizes(sizes.times(&Sizes::from_vertices(surface, fitting)?)))
 }
 
 /// A mosaic of nearly `count` tiles; `progress` is told how far it is, from 0 to 1.
@@ -306,8 +341,8 @@ pub fn lay(
 }
 
 /// How many vertices that makes.
-fn count(surface: &Surface, fineness: Fineness) -> Result<usize, PipelineError> {
-    match fineness {
+fn count(surface: &Surface, options: &Options) -> Result<usize, PipelineError> {
+    match options.fineness {
         Fineness::Points(count) if POINTS.contains(&count) => Ok(count),
         Fineness::Points(count) => Err(PipelineError::Fineness(format!(
             "a mesh of {count} points cannot be made; ask for {} to {}",
@@ -323,6 +358,19 @@ fn count(surface: &Surface, fineness: Fineness) -> Result<usize, PipelineError> 
             let least = diagonal * f64::from(mosaic::side_for_count(surface, *POINTS.end()));
             Err(PipelineError::Fineness(format!(
                 "tiles of side {size} cannot cover this surface; ask for {least:.3e} to {diagonal:.3e}, its diagonal"
+            )))
+        }
+        Fineness::Sampled if options.sizes.samples.is_empty() => {
+            Err(PipelineError::Fineness("no sizes are given; give some, or ask for a number of points".to_owned()))
+        }
+        Fineness::Sampled => {
+            let count = options.sizes.count(surface)?;
+            if count <= *POINTS.end() as f64 {
+                return Ok((count.round() as usize).max(*POINTS.start()));
+            }
+            Err(PipelineError::Fineness(format!(
+                "the surface takes {count:.3e} tiles of the given sizes; ask for larger ones, in model units, so that {}                  are enough",
+                POINTS.end()
             )))
         }
     }

@@ -77,6 +77,8 @@ pub enum Asked {
     Points(usize),
     /// Tiles of this side, in model units.
     Size(f64),
+    /// Tiles of the sizes that samples give.
+    Sampled,
 }
 
 /// Where the heavy stages ran.
@@ -248,6 +250,7 @@ impl Asked {
         match fineness {
             Fineness::Points(count) => Self::Points(count),
             Fineness::Size(size) => Self::Size(size),
+            Fineness::Sampled => Self::Sampled,
         }
     }
 }

@@ -156,11 +156,16 @@ fn options_reach_the_mesher() {
         ("max-distance", mesh(&["--max-distance", "1.1"])),
         ("max-angle", mesh(&["--max-angle", "10"])),
         ("holes", mesh(&["--holes", "leave", "--max-angle", "10"])),
-        ("no-cleanup", mesh(&["--no-cleanup"])),
         ("smoothing", mesh(&["--smoothing", "0"])),
     ] {
         assert_ne!(changed, plain, "{name} changes nothing");
     }
+    // On the plate there is nothing to clean.
+    let wing = |more: &[&str]| {
+        desk.said(&[&["mesh", "example:m6:2000", "--points", "400", "-o", "out.obj"], more].concat());
+        desk.bytes("out.obj")
+    };
+    assert_ne!(wing(&["--no-cleanup"]), wing(&[]), "no-cleanup changes nothing");
     let report = |crease: &str| {
         desk.said(&["mesh", "example:block:2000", "--crease", crease, "-o", "out.obj", "--report", "out.json"]);
         serde_json::from_slice::<Value>(&desk.bytes("out.json")).expect("it is JSON")
@@ -385,6 +390,8 @@ fn wrong_usage_is_told_from_failure() {
         (&["--points", "0"][..], "ask for 4 to 50000000 vertices"),
         (&["--points", "-5"], "-5"),
         (&["--points", "100", "--size", "1"], "cannot be used with"),
+        (&["--refine-curvature", "0"], "from 1 to 90"),
+        (&["--max-growth", "1"], "from 1.01 to 10"),
         (&["--size", "0"], "a length is a number above 0"),
         (&["--size", "inf"], "a length is a number above 0"),
         (&["--crease", "200"], "the angle is a number from 1 to 180"),
@@ -554,6 +561,37 @@ fn seams_are_reported_with_their_places() {
     }
     assert_eq!(report["surface"]["repairs"]["dropped_specks"]["count"], 0);
     assert_eq!(report["faults"]["list"].as_array().map(Vec::len), Some(0), "the mesh branches as the surface does");
+}
+
+#[test]
+fn sizes_come_from_a_file_and_from_curvature() {
+    let desk = Desk::new();
+    desk.put("sizes.csv", "x,y,z,size\n-0.5,0,0,0.03\n0.5,0,0,0.06\n");
+    let sized = ["mesh", "example:plate:2000", "--size-field", "sizes.csv", "-o", "out.obj"];
+    let vertices = |more: &[&str]| {
+        desk.said(&[&sized[..], &["--report", "out.json"], more].concat());
+        let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("the report is JSON");
+        report["mesh"]["vertices"].as_u64().expect("a count")
+    };
+    // The plate is a unit square with a hole, and takes 1 / 0.06^2 tiles at least and 1 / 0.03^2 at most but for its rim.
+    let absolute = vertices(&[]);
+    assert!((200..1_200).contains(&absolute), "{absolute}");
+    let relative = vertices(&["--points", "2000"]);
+    assert!(relative.abs_diff(2_000) < 100, "{relative}");
+
+    let wing = ["mesh", "example:m6:2000", "--points", "500", "-o", "out.obj"];
+    let mesh = |more: &[&str]| {
+        desk.said(&[&wing[..], more].concat());
+        desk.bytes("out.obj")
+    };
+    let twenty = mesh(&["--refine-curvature"]);
+    assert_eq!(twenty, mesh(&["--refine-curvature", "20", "--max-growth", "1.2"]));
+    assert_ne!(twenty, mesh(&["--refine-curvature", "20", "--max-growth", "1.1"]));
+    assert_ne!(twenty, mesh(&[]));
+
+    desk.put("sizes.csv", "0,0,0,0.1\n0,0,0,-1\n");
+    let said = desk.refusal(1, &sized);
+    assert!(said.contains("sizes.csv, line 2: the size -1 is not above 0"), "{said}");
 }
 
 #[test]

@@ -221,7 +221,9 @@ fn lattice(cells: usize) -> (quadmosaic::surface::Surface, Mosaic) {
         let (normal, axis) = ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
         tiles.push(Tile { position, h, normal, triangle: triangle as u32, axis, quarters: 0 });
     }
-    (surface, Mosaic { sites: Vec::new(), tiles, sides: 0 })
+    let mut mosaic = Mosaic::default();
+    mosaic.tiles = tiles;
+    (surface, mosaic)
 }
 
 #[test]

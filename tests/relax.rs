@@ -5,7 +5,9 @@ mod common;
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::gpu::{Gpu, GpuBackend};
-use quadmosaic::mosaic::{Relaxation, Rulers, Tile, seat, side_for_count, sow};
+use quadmosaic::mosaic::relax::REACH;
+use quadmosaic::mosaic::{Relaxation, Rulers, Tile, neighbours, seat, side_for_count, sow};
+use quadmosaic::sizes::Sizes;
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Surface};
 
@@ -24,7 +26,9 @@ fn tiles(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
 }
 
 fn both(gpu: &Gpu, surface: &Surface, field: &Field, tiles: &[Tile], steps: u32) -> [Vec<Tile>; 2] {
-    let relaxation = Relaxation::new(steps, tiles.iter().map(|tile| tile.h).fold(0.0, f32::max));
+    // Sides on features and lists are long enough for the largest tile, whatever made the tiles so large.
+    let scale = tiles.iter().map(|tile| tile.h).fold(0.0, f32::max) / field.sizes().largest();
+    let relaxation = Relaxation::new(steps, scale, field.sizes());
     let backend = GpuBackend::new(gpu).unwrap();
     let cpu = Cpu.ground(surface, field).unwrap().relax(tiles, &relaxation).unwrap();
     let gpu = backend.ground(surface, field).unwrap().relax(tiles, &relaxation).unwrap();
@@ -82,8 +86,97 @@ fn a_batch_of_steps_is_the_same() {
     }
     let (surface, field) = example("m6");
     let tiles = tiles(&surface, &field, side_for_count(&surface, 3000));
-    let [cpu, other] = both(gpu, &surface, &field, &tiles, 9);
+    let [cpu, other] = both(gpu, &surface, &field, &tiles, neighbours::STEPS + 1);
     assert_eq!(difference(gpu, &cpu, &other), None);
+}
+
+/// The ids of a list.
+fn ids(list: &[u32]) -> Vec<u32> {
+    list.iter().copied().take_while(|&id| id != u32::MAX).collect()
+}
+
+/// The tiles that tile `id` must have in its list: all that it can see, and will if it and they move by half the skin.
+fn near(tiles: &[Tile], id: usize) -> Vec<u32> {
+    let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let is_near = |other: usize| {
+        let e = [0, 1, 2].map(|k| tiles[other].position[k] - tiles[id].position[k]);
+        let far = (REACH + neighbours::SKIN) * (tiles[id].h + tiles[other].h) * 0.5;
+        dot(e, e) <= far * far && dot(tiles[id].normal, tiles[other].normal) > 0.0
+    };
+    (0..tiles.len()).filter(|&other| other != id && is_near(other)).map(|other| other as u32).collect()
+}
+
+#[test]
+fn lists_hold_what_a_search_of_all_pairs_finds() {
+    for name in ["torus", "block"] {
+        let (surface, field) = example(name);
+        let h = side_for_count(&surface, 800);
+        let tiles = tiles(&surface, &field, h);
+        let cell = Relaxation::new(1, h, &Sizes::equal()).cell;
+        let lists = neighbours::lists(&tiles, cell);
+        let wrong = |lists: &[[u32; neighbours::SLOTS]]| {
+            let is_wrong = |&id: &usize| {
+                let (mut found, wanted) = (ids(&lists[id]), near(&tiles, id));
+                found.sort_unstable();
+                // A crowded tile's list has as many as it can hold.
+                let full = found.len() == neighbours::SLOTS && found.iter().all(|id| wanted.contains(id));
+                !(full || found == if tiles[id].quarters == 0 { wanted } else { vec![] })
+            };
+            (0..tiles.len()).filter(is_wrong).count()
+        };
+        assert_eq!(wrong(&lists), 0, "{name}");
+        // Of cells that are too small, tiles two cells away are missing.
+        assert!(wrong(&neighbours::lists(&tiles, 0.4 * cell)) > tiles.len() / 10, "{name}");
+    }
+}
+
+#[test]
+fn tiles_in_a_crowd_are_the_same() {
+    let Some(gpu) = common::gpu() else { return };
+    let (surface, field) = example("sphere");
+    let h = side_for_count(&surface, 2000);
+    // Four times as many as there is room for.
+    let crowd: Vec<Tile> = sow::sow(&surface, &field, 0.5 * h).iter().map(|&tile| Tile { h, ..tile }).collect();
+    let lists = neighbours::lists(&crowd, Relaxation::new(1, h, &Sizes::equal()).cell);
+    let full = lists.iter().filter(|list| ids(*list).len() == neighbours::SLOTS).count();
+    assert!(full > crowd.len() / 2, "{full} of {} lists are full", crowd.len());
+    let [cpu, other] = both(gpu, &surface, &field, &crowd, 1);
+    assert_eq!(difference(gpu, &cpu, &other), None);
+    // Which tiles are left out of a full list is told by their order.
+    let turned: Vec<Tile> = crowd.iter().rev().copied().collect();
+    let [_, mut other] = both(gpu, &surface, &field, &turned, 1);
+    other.reverse();
+    assert!(difference(gpu, &cpu, &other).is_some());
+}
+
+#[test]
+fn tiles_of_different_sizes_are_the_same() {
+    let Some(gpu) = common::gpu() else { return };
+    for name in ["sphere", "block", "m6"] {
+        let (surface, field) = example(name);
+        // From 1 to 2 along x.
+        let size = |v: u32| 1.5 + surface.point(v)[0] as f32;
+        let sizes = Sizes::from_vertices(&surface, (0..surface.vertex_count() as u32).map(size).collect()).unwrap();
+        let scale = sizes.side_for_count(&surface, 1500);
+        let field = field.with_sizes(sizes);
+        let tiles = tiles(&surface, &field, scale);
+        let relaxation = Relaxation::new(neighbours::STEPS, scale, field.sizes());
+        let backend = GpuBackend::new(gpu).unwrap();
+        let on_cpu = |relaxation| Cpu.ground(&surface, &field).unwrap().relax(&tiles, relaxation).unwrap();
+        let one = Relaxation { steps: 1, ..relaxation };
+        // On hardware differences grow from step to step.
+        let relaxation = if gpu.adapter().hardware { one } else { relaxation };
+        let other = backend.ground(&surface, &field).unwrap().relax(&tiles, &relaxation).unwrap();
+        assert_eq!(difference(gpu, &on_cpu(&relaxation), &other), None, "{name}");
+        for tile in &other {
+            let wanted = scale * (1.5 + tile.position[0]);
+            // Sizes are linear, but for the roundings of a dozen operations on numbers about 1.
+            assert!((tile.h / wanted - 1.0).abs() < 1e-5, "{name}: {} for {wanted}", tile.h);
+        }
+        // At another scale tiles are others.
+        let larger = Relaxation { scale: 1.001 * scale, ..one };
+        assert!(on_cpu(&larger).iter().zip(&on_cpu(&one)).any(|(a, b)| a.quarters == 0 && a.h != b.h), "{name}");
+    }
 }
 
 #[test]

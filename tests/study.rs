@@ -13,7 +13,7 @@ use std::fs;
 use std::path::Path;
 
 fn plan() -> Plan {
-    Plan { points: vec![150, 300], angles: vec![20.0, 30.0], distances: vec![1.6, 2.0] }
+    Plan { points: vec![150, 300], angles: vec![20.0, 30.0], distances: vec![1.6, 2.0], picture: [120, 90] }
 }
 
 fn subject(name: &str) -> Subject {
@@ -105,7 +105,7 @@ fn a_table_that_is_none_is_refused_and_one_of_another_version_made_anew() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join(study::TABLE);
     fs::write(&file, "{").expect("it can be written");
-    let small = Plan { points: vec![100], angles: Vec::new(), distances: Vec::new() };
+    let small = Plan { points: vec![100], angles: Vec::new(), distances: Vec::new(), ..plan() };
     let refused = study::run(folder.path(), &[subject("sphere")], &small, &Cpu, &|_, _| ());
     assert!(matches!(refused, Err(StudyError::Read { path, .. }) if path == file));
     fs::write(&file, r#"{"program": "quadmosaic 0.0.0", "rows": []}"#).expect("it can be written");

@@ -61,15 +61,16 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         features: rows.features(),
         edges: rows.edges()?,
         field: rows.field()?,
+        sizes: wanted.sizes()?,
         ..Options::new(wanted.fineness())
     };
     machine.start_threads()?;
     let name = source.to_string();
     let soup = source.read()?;
-    let (surface, count) = prepare(&soup, &options).context(name.clone())?;
+    let (surface, sizes, count) = prepare(&soup, &options).context(name.clone())?;
     let device: Device = machine.open()?;
     let backend = device.backend()?;
-    let field = pipeline::field(&surface, count, &options, &*backend)?;
+    let field = pipeline::field(&surface, sizes, count, &options, &*backend)?;
     match output.extension() {
         Some(ending) if ending.eq_ignore_ascii_case("ply") => write_field_ply(output, &surface, &field)?,
         _ => write_field_vtk(output, &surface, &field)?,

@@ -1,8 +1,10 @@
 //! How fine the mesh is to be: arguments that `mesh` and `field` share.
 
-use super::mesh::positive;
+use super::mesh::{degrees, number, positive};
 use clap::Args;
 use quadmosaic::pipeline::{Fineness, POINTS};
+use quadmosaic::sizes::{SizeOptions, read_sizes};
+use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct Wanted {
@@ -12,6 +14,25 @@ pub struct Wanted {
     /// Instead of --points: the edge length wanted, in model units
     #[arg(long, value_name = "H", value_parser = positive, help_heading = "Fineness")]
     size: Option<f64>,
+    /// Edge lengths at points, spread over the surface: CSV, one point a line (x, y, z, size, or named by a header), or PLY
+    /// whose vertices have a property size. In model units; with --points or --size they are relative, and the number of
+    /// vertices is as asked
+    #[arg(long, value_name = "FILE", help_heading = "Fineness")]
+    size_field: Option<PathBuf>,
+    /// Smaller edges, down to a quarter, where the surface is curved: it turns by at most this angle within an edge, in
+    /// degrees (1 to 90) [default without a value: 20]
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        value_parser = degrees::<90>,
+        num_args = 0..=1,
+        default_missing_value = "20",
+        help_heading = "Fineness"
+    )]
+    refine_curvature: Option<f64>,
+    /// Largest ratio of two edges beside each other (1.01 to 10), where they are not all equal
+    #[arg(long, value_name = "RATIO", default_value_t = 1.2, value_parser = growth, help_heading = "Fineness")]
+    max_growth: f64,
 }
 
 impl Wanted {
@@ -19,9 +40,23 @@ impl Wanted {
     pub fn fineness(&self) -> Fineness {
         match (self.points, self.size) {
             (_, Some(size)) => Fineness::Size(size),
+            (None, None) if self.size_field.is_some() => Fineness::Sampled,
             (points, None) => Fineness::Points(points.unwrap_or(6000)),
         }
     }
+
+    /// Where edges are to be shorter or longer than elsewhere.
+    ///
+    /// # Errors
+    /// Where the file of sizes cannot be read.
+    pub fn sizes(&self) -> anyhow::Result<SizeOptions> {
+        let samples = self.size_field.as_deref().map(read_sizes).transpose()?.unwrap_or_default();
+        Ok(SizeOptions { samples, curvature: self.refine_curvature, growth: self.max_growth })
+    }
+}
+
+fn growth(text: &str) -> Result<f64, String> {
+    number(text, 1.01..=10.0).ok_or_else(|| "the ratio is a number from 1.01 to 10".to_owned())
 }
 
 /// A number of vertices that can be asked for.

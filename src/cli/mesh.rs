@@ -7,6 +7,7 @@ use super::output::{expect_writable, obj_path, picture_path, print, write_json};
 use super::picture;
 use super::rows::{Rows, warn_of};
 use super::summary;
+use super::weave::Weave;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -14,7 +15,6 @@ use quadmosaic::export::write_obj;
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::fill;
 use quadmosaic::mesh::pair::{self, PairOptions};
-use quadmosaic::mosaic;
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
@@ -66,15 +66,8 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
     smoothing: usize,
 
-    /// Whether rows of tiles may end inside the surface
-    #[arg(long = "rows", value_name = "KIND", default_value = "paper", help_heading = "Rows")]
-    row_ends: RowEnds,
-    /// How far the sides of tiles follow the field so that fewer rows end, from 0 (equal tiles) to 1
-    #[arg(long, value_name = "DIAL", default_value_t = 0.0, value_parser = dial, help_heading = "Rows")]
-    fit: f64,
-    /// The largest side over the mean one, and the mean over the smallest, that --fit may ask for
-    #[arg(long, value_name = "FACTOR", default_value_t = 2.5, value_parser = fit_range, help_heading = "Rows")]
-    fit_range: f64,
+    #[command(flatten)]
+    weave: Weave,
 
     #[command(flatten)]
     machine: Machine,
@@ -96,15 +89,6 @@ Examples:
     quadmosaic mesh example:m6 --points 6000 -o m6.obj
   Edges of 20 mm on a model in metres, rows along x near the point 1,0,0.5, figures as JSON:
     quadmosaic mesh car.stl --size 0.02 --guide 1,0,0.5,1,0,0 --report car.json -o quads.obj";
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-enum RowEnds {
-    /// They end where equal tiles, or the asked sizes, need it
-    #[default]
-    Paper,
-    /// They pass over the whole surface but for singularities of the field, and sizes give way: few irregular vertices
-    Continuous,
-}
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum Holes {
@@ -223,12 +207,10 @@ impl Arguments {
             features: self.rows.features(),
             edges: self.rows.edges()?,
             field: self.rows.field()?,
-            rows: match self.row_ends {
-                RowEnds::Paper => mosaic::Rows::Paper,
-                RowEnds::Continuous => mosaic::Rows::Continuous,
-            },
-            fit: self.fit,
-            fit_range: self.fit_range,
+            rows: self.weave.rows(),
+            fit: self.weave.fit,
+            fit_range: self.weave.fit_range,
+            sizes: self.wanted.sizes()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {
                 Holes::Patterns => fill::Holes::Patterns,
@@ -275,16 +257,6 @@ impl Progress {
 pub fn positive(text: &str) -> Result<f64, String> {
     let length = text.parse::<f64>().ok().filter(|length| length.is_finite() && *length > 0.0);
     length.ok_or_else(|| "a length is a number above 0, in model units".to_owned())
-}
-
-fn dial(text: &str) -> Result<f64, String> {
-    number(text, 0.0..=1.0).ok_or_else(|| "the dial is a number from 0 to 1".to_owned())
-}
-
-fn fit_range(text: &str) -> Result<f64, String> {
-    number(text, 1.0..=10.0)
-        .filter(|&range| range > 1.0)
-        .ok_or_else(|| "the factor is a number above 1, to 10".to_owned())
 }
 
 pub fn degrees<const MOST: u32>(text: &str) -> Result<f64, String> {

@@ -14,6 +14,7 @@ mod picture;
 mod rows;
 mod study;
 mod summary;
+mod weave;
 
 use clap::{Parser, Subcommand};
 

@@ -5,6 +5,7 @@ use super::fineness::Wanted;
 use super::input::Source;
 use super::output::{expect_writable, picture_path, print, tiles_path, write_json};
 use super::rows::{Rows, warn_of};
+use super::weave::Weave;
 use super::{picture, summary};
 use anyhow::Context;
 use clap::Args;
@@ -37,6 +38,8 @@ pub struct Arguments {
     #[command(flatten)]
     rows: Rows,
     #[command(flatten)]
+    weave: Weave,
+    #[command(flatten)]
     machine: Machine,
     /// Draw the tiles, as `quadmosaic picture --mosaic` does
     #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
@@ -55,8 +58,18 @@ Examples:
   quadmosaic mosaic vase.stl --size 5 --grout 0.15 -o tiles.obj";
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let Arguments { source, output, grout, wanted, rows, machine, picture: picture_file, report: report_file, quiet } =
-        arguments;
+    let Arguments {
+        source,
+        output,
+        grout,
+        wanted,
+        rows,
+        weave,
+        machine,
+        picture: picture_file,
+        report: report_file,
+        quiet,
+    } = arguments;
     let mut taken: Vec<&Path> = source.path().into_iter().collect();
     for path in [output].into_iter().chain(picture_file).chain(report_file) {
         expect_writable(path, &taken)?;
@@ -66,15 +79,19 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         features: rows.features(),
         edges: rows.edges()?,
         field: rows.field()?,
+        sizes: wanted.sizes()?,
+        rows: weave.rows(),
+        fit: weave.fit,
+        fit_range: weave.fit_range,
         ..Options::new(wanted.fineness())
     };
     machine.start_threads()?;
     let name = source.to_string();
     let soup = source.read()?;
-    let (surface, count) = prepare(&soup, &options).context(name.clone())?;
+    let (surface, sizes, count) = prepare(&soup, &options).context(name.clone())?;
     let device = machine.open()?;
     let backend = device.backend()?;
-    let field = pipeline::field(&surface, count, &options, &*backend)?;
+    let field = pipeline::field(&surface, sizes, count, &options, &*backend)?;
     let mosaic = pipeline::lay(&surface, &field, &*backend, count, &options, &|_| ())?;
 
     let fit = Fit::of(&surface, &mosaic);

@@ -133,10 +133,10 @@ impl Arguments {
             ..Options::new(Fineness::Points(self.points))
         };
         let soup = self.source.read()?;
-        let (surface, count) = prepare(&soup, &options).context(self.source.to_string())?;
+        let (surface, sizes, count) = prepare(&soup, &options).context(self.source.to_string())?;
         let device = self.machine.open()?;
         let backend = device.backend()?;
-        let field = pipeline::field(&surface, count, &options, &*backend)?;
+        let field = pipeline::field(&surface, sizes, count, &options, &*backend)?;
         warn_of(field.guides());
         Ok(match self.field {
             Some(Style::Streamlines) => field_scene(&surface, &field, FieldStyle::Streamlines),

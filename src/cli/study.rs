@@ -67,7 +67,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     fs::create_dir_all(output).with_context(|| format!("the folder {} cannot be made", output.display()))?;
     let device = machine.open()?;
     let backend = device.backend()?;
-    let plan = Plan { points: points.clone(), angles: angles.clone(), distances: distances.clone() };
+    let plan = Plan { points: points.clone(), angles: angles.clone(), distances: distances.clone(), ..Plan::default() };
 
     let bar = if *quiet { ProgressBar::hidden() } else { ProgressBar::new(1000) };
     let style = ProgressStyle::with_template("{bar:30} {percent:>3} %, about {eta} left: {wide_msg}");

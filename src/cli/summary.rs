@@ -92,6 +92,7 @@ fn asked(asked: Asked) -> String {
     match asked {
         Asked::Points(count) => format!("{count} asked for"),
         Asked::Size(size) => format!("tiles of side {size} asked for"),
+        Asked::Sampled => "tiles of the given sizes asked for".to_owned(),
     }
 }
 

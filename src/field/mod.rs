@@ -32,8 +32,9 @@ pub use sectors::Sectors;
 pub use singularities::{Seat, Singularity};
 
 use crate::compute::{Backend, ComputeError};
-use crate::geometry::{fourth_root, unit};
-use crate::surface::Surface;
+use crate::geometry::{cross, fourth_root, unit};
+use crate::sizes::Sizes;
+use crate::surface::{Surface, shares};
 use glam::Vec3;
 
 /// A representation number `(cos 4t, sin 4t)`, or a weighted sum of such.
@@ -62,6 +63,7 @@ pub struct Field {
     crosses: Vec<Complex>,
     in_triangles: Vec<[Complex; 3]>,
     guides: Vec<GuideReport>,
+    sizes: Sizes,
 }
 
 impl Field {
@@ -78,7 +80,17 @@ impl Field {
         let hierarchy = Hierarchy::new(surface, &sectors, &guides::pulls(surface, &sectors, &grips));
         let crosses = backend.smooth(&hierarchy)?;
         let in_triangles = sectors.in_triangles(&crosses);
-        Ok(Self { sectors, crosses, in_triangles, guides })
+        Ok(Self { sectors, crosses, in_triangles, guides, sizes: Sizes::equal() })
+    }
+
+    /// The same field for tiles of these sizes.
+    pub fn with_sizes(self, sizes: Sizes) -> Self {
+        Self { sizes, ..self }
+    }
+
+    /// How large tiles are to be; as it is made, equal.
+    pub fn sizes(&self) -> &Sizes {
+        &self.sizes
     }
 
     /// What became of each guide, in order.
@@ -115,13 +127,9 @@ impl Field {
 
 /// One direction of the cross at a point of a triangle; the twin of `axis_at` in `shaders/relax.wgsl`.
 pub(crate) fn axis_at(corners: [Vec3; 3], z: [Complex; 3], position: Vec3) -> Vec3 {
-    use crate::geometry::{cross, dot};
     let [a, b, c] = corners;
-    let double_area = cross(b - a, c - a);
-    let normal = unit(double_area);
-    let total = dot(double_area, normal);
-    let wb = (-dot(cross(c - a, position - a), normal) / total).clamp(0.0, 1.0);
-    let wc = (dot(cross(b - a, position - a), normal) / total).clamp(0.0, 1.0);
+    let normal = unit(cross(b - a, c - a));
+    let [wb, wc] = shares(corners, position);
     let wa = (1.0 - wb - wc).max(0.0);
     let blend = [z[0][0] * wa + z[1][0] * wb + z[2][0] * wc, z[0][1] * wa + z[1][1] * wb + z[2][1] * wc];
     let (x, y) = fourth_root(blend);

@@ -60,10 +60,9 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     let order: Vec<u32> = sites.iter().chain(&free).chain(&left).copied().collect();
     let mut tiles: Vec<Tile> = mosaic.sites.iter().map(|site| mosaic.tiles[site.first_side as usize]).collect();
     tiles.extend_from_slice(mosaic.free());
-    let h = tiles.first().map_or(0.0, |t| t.h);
     tiles.extend(left.iter().map(|&v| {
         let corner = work.home_corner[v as usize];
-        Tile::free(surface, field, corner / 3, surface.points[v as usize], h)
+        Tile::free(surface, field, corner / 3, surface.points[v as usize], mosaic.scale)
     }));
     let points = order.iter().map(|&v| work.points[v as usize]).collect();
     let sides = tiles.iter().map(|tile| if mosaic.chart.is_some() { 1.0 } else { f64::from(tile.h) }).collect();

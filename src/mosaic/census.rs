@@ -1,11 +1,12 @@
 //! Between batches of relaxation: one of two tiles that overlap goes, and a tile comes where a place is empty.
 
 use super::grid::Grid;
-use super::relax::{self, see};
+use super::relax::{self, Sight, see};
 use super::{Mosaic, Tile};
 use crate::field::Field;
 use crate::geometry::dot;
 use crate::surface::{Surface, WALK_EDGES, walk};
+use rayon::prelude::*;
 
 /// Two tiles nearer than this along both axes, in tile sides, are one too many.
 const CROWDED: f32 = 0.55;
@@ -31,18 +32,33 @@ fn cell_of(tiles: &[Tile]) -> f32 {
 pub(super) fn thin(mosaic: &Mosaic, crowded_within: f32) -> Vec<Tile> {
     let tiles = &mosaic.tiles;
     let grid = Grid::build(|i| tiles[i].position, tiles.len(), cell_of(tiles));
-    let mut kept = vec![true; tiles.len()];
-    for id in mosaic.sides..tiles.len() {
-        let mut crowded = false;
-        grid.around(tiles[id].position, |other| {
-            crowded |= (other as usize) < id
-                && kept[other as usize]
-                && see(&tiles[id], &tiles[other as usize])
-                    .is_some_and(|s| s.u[0].abs() < crowded_within && s.u[1].abs() < crowded_within);
-        });
-        kept[id] = !crowded;
-    }
+    let crowding: Vec<Vec<u32>> = (0..tiles.len())
+        .into_par_iter()
+        .with_min_len(256)
+        .map(|id| {
+            let mut others = Vec::new();
+            if id >= mosaic.sides {
+                grid.around(tiles[id].position, |other| {
+                    let crowds = (other as usize) < id
+                        && see(&tiles[id], &tiles[other as usize])
+                            .is_some_and(|s| s.u[0].abs() < crowded_within && s.u[1].abs() < crowded_within);
+                    others.extend(crowds.then_some(other));
+                });
+            }
+            others
+        })
+        .collect();
+    let kept = chosen(&crowding);
     tiles.iter().zip(kept).filter(|&(_, kept)| kept).map(|(&tile, _)| tile).collect()
+}
+
+/// Which are chosen, in order: each that does not meet, of those before it, one that is chosen.
+fn chosen(meets: &[Vec<u32>]) -> Vec<bool> {
+    let mut chosen = vec![true; meets.len()];
+    for (id, others) in meets.iter().enumerate() {
+        chosen[id] = !others.iter().any(|&other| chosen[other as usize]);
+    }
+    chosen
 }
 
 /// Tiles at the empty places beside the present ones.
@@ -51,41 +67,50 @@ fn room(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Vec<Tile> {
     let barrier = |h| surface.features().is_feature(h);
     let grid = Grid::build(|i| tiles[i].position, tiles.len(), cell_of(tiles));
     let candidates: Vec<Tile> = tiles
-        .iter()
-        .flat_map(|tile| inner_directions(tile).map(move |turn| (tile, turn)))
-        .filter(|(tile, turn)| {
-            let wanted = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0f32]][*turn as usize % 4];
-            let mut taken = false;
-            grid.around(tile.position, |other| {
-                taken |= see(tile, &tiles[other as usize])
-                    .is_some_and(|s| (s.u[0] - wanted[0]).abs() < 0.5 && (s.u[1] - wanted[1]).abs() < 0.5);
-            });
-            !taken
-        })
+        .par_iter()
+        .with_min_len(256)
+        .flat_map_iter(|tile| empty_directions(tile, tiles, &grid).map(move |turn| (tile, turn)))
         .map(|(tile, turn)| {
             let foot = walk(surface, barrier, tile.triangle, tile.at(), tile.direction(turn) * tile.h, WALK_EDGES);
-            Tile::free(surface, field, foot.triangle, foot.position, tile.h)
+            Tile::free(surface, field, foot.triangle, foot.position, mosaic.scale)
+        })
+        .filter(|place| {
+            let mut empty = true;
+            grid.around(place.position, |other| empty &= !takes_place(place, &tiles[other as usize]));
+            empty
         })
         .collect();
-    let all: Vec<Tile> = tiles.iter().chain(&candidates).copied().collect();
-    let grid = Grid::build(|i| all[i].position, all.len(), cell_of(tiles));
-    let mut present: Vec<bool> = (0..all.len()).map(|i| i < tiles.len()).collect();
-    for id in tiles.len()..all.len() {
-        let mut free = true;
-        grid.around(all[id].position, |other| {
-            free &= !present[other as usize] || !takes_place(&all[id], &all[other as usize]);
-        });
-        present[id] = free;
-    }
-    (tiles.len()..all.len()).filter(|&i| present[i]).map(|i| all[i]).collect()
+    let grid = Grid::build(|i| candidates[i].position, candidates.len(), cell_of(tiles));
+    let rivals: Vec<Vec<u32>> = (0..candidates.len())
+        .into_par_iter()
+        .with_min_len(256)
+        .map(|id| {
+            let mut rivals = Vec::new();
+            grid.around(candidates[id].position, |other| {
+                let rival = (other as usize) < id && takes_place(&candidates[id], &candidates[other as usize]);
+                rivals.extend(rival.then_some(other));
+            });
+            rivals
+        })
+        .collect();
+    candidates.iter().zip(chosen(&rivals)).filter(|&(_, chosen)| chosen).map(|(&tile, _)| tile).collect()
+}
+
+/// The turns of a tile's cross that point into the surface on its side and to a place in the lattice where no tile is.
+fn empty_directions(tile: &Tile, tiles: &[Tile], grid: &Grid) -> impl Iterator<Item = u32> + use<> {
+    let mut empty = [true; 4];
+    grid.around(tile.position, |other| {
+        if let Some(Sight { u, .. }) = see(tile, &tiles[other as usize]) {
+            for (empty, wanted) in empty.iter_mut().zip([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0f32]]) {
+                *empty &= (u[0] - wanted[0]).abs() >= 0.5 || (u[1] - wanted[1]).abs() >= 0.5;
+            }
+        }
+    });
+    let inner = if tile.quarters == 0 { 0..4 } else { 1..tile.quarters };
+    inner.filter(move |&turn| empty[turn as usize % 4])
 }
 
 fn takes_place(place: &Tile, tile: &Tile) -> bool {
     let apart = tile.at() - place.at();
     dot(apart, apart) < (EMPTY * place.h) * (EMPTY * place.h) && dot(place.normal(), tile.normal()) > OTHER_SIDE
-}
-
-/// The turns of a tile's cross that point into the surface on its side.
-fn inner_directions(tile: &Tile) -> std::ops::Range<u32> {
-    if tile.quarters == 0 { 0..4 } else { 1..tile.quarters }
 }

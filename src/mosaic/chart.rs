@@ -1,5 +1,6 @@
 //! The mosaic's own metric: distances in tile sides along the rows, where rows pass over the whole surface.
 
+use super::Tile;
 use super::phases::{Cone, Phases};
 use crate::surface::Surface;
 use glam::DVec3;
@@ -40,6 +41,19 @@ impl Chart {
             cones: cones.collect(),
             steps: half_edges.clone().map(|h| phases.step(h)).collect(),
             at_ends: half_edges.map(|h| phases.step_at_end(h)).collect(),
+        }
+    }
+
+    /// Takes note of which cones still carry a tile, these being the free tiles: those on cones first, in order.
+    pub(crate) fn keep_cones(&mut self, free: &[Tile]) {
+        let mut left = free.iter();
+        for spot in self.cones.iter_mut().filter(|spot| spot.is_tile) {
+            let place = <[f32; 3]>::from(spot.position.as_vec3());
+            let mut ahead = left.clone();
+            spot.is_tile = ahead.next().is_some_and(|tile| tile.position == place);
+            if spot.is_tile {
+                left = ahead;
+            }
         }
     }
 

@@ -148,7 +148,7 @@ mod tests {
             Tile { position, h, normal: [0.0, 0.0, 1.0], triangle: 2 * cell as u32, axis, quarters: 0 }
         });
         let tiles = tiles.collect();
-        (surface, Mosaic { sites: Vec::new(), tiles, sides: 0 })
+        (surface, Mosaic { tiles, ..Mosaic::default() })
     }
 
     /// The shares are of 50,000 points; borders of tiles are 2 x 144 sides, and a point is on one only by rounding.

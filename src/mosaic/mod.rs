@@ -5,17 +5,19 @@
 //! the surface, turned along the cross field, and relaxed by a repulsion that is square as they are.
 //!
 //! # Changes versus the paper
-//! The paper relaxes random tiles at their final size. Here a few tiles are relaxed first and each is then split into
-//! three by three, again and again ([`refine`]): rows are in step over the whole surface before there are many.
-//! Tiles on features are placed along the feature curves ([`seat`]) and stay there; they are seen from each side of
+//! The paper relaxes random tiles at their final size. Here tiles are taken where the rows of a periodic solve cross
+//! ([`phases`], [`lattice`]), in step over the whole surface; where more are wanted than are solved for, each is split into
+//! three by three ([`refine`]). Rows may be led on until none ends ([`Rows::Continuous`]); the tiles' sides then give way,
+//! and neighbours are known in the mosaic's own metric ([`chart`]). Tiles on features are placed along the feature curves ([`seat`]) and stay there; they are seen from each side of
 //! a crease apart.
 //!
 //! # Practice
-//! Order of work: [`seat`] tiles on features, [`sow`] free tiles, [`relax`], [`census`] (remove and add), [`refine`].
+//! Order of work: [`phases`], [`seat`] tiles on features, [`lattice`], [`census`] (remove and add), [`relax`], [`refine`];
+//! where no row crosses another, as on a part of the size of a tile, [`sow`].
 //!
-//! Tried at 6,000 tiles on m6_gen, fish_blub, spot and fandisk (Qr before clean-up, mean of the four): four batches of 8
-//! steps on each finer level 0.962, two batches 0.959, one batch of 12 steps 0.958, two batches of 6 steps 0.961; twice as
-//! many batches on the first level 0.960. Two batches of 8 are kept: differences below 0.005 are what another seed makes.
+//! Tried at 6,000 tiles: one, two and six batches of 8 steps gave fish_blub 3.9, 3.9, 3.9 and spot 4.2, 4.2, 4.1 % odd faces
+//! before clean-up; two are kept, for what sizes and guides disturb. At 60,000 tiles, m6_gen and spot: solved at 6,700 and
+//! split 0.62 and 1.55 % odd faces, Qg 0.981 and 0.967; solved at 60,000 0.54 and 1.61 %, Qg 0.985 and 0.971, in twice the time.
 //! A reach of 1.6 tile sides instead of 1.75 loses 0.003 of Qr on the eight models and saves a tenth of the time.
 
 pub mod census;
@@ -24,6 +26,7 @@ pub mod fit;
 pub mod fitting;
 pub mod grid;
 pub mod lattice;
+pub mod neighbours;
 pub mod phases;
 pub mod refine;
 pub mod relax;
@@ -36,6 +39,7 @@ pub use seat::{Rulers, Seat, Site};
 
 use crate::compute::{Backend, ComputeError, Ground};
 use crate::field::Field;
+use crate::sizes::Sizes;
 use crate::surface::Surface;
 use bytemuck::{Pod, Zeroable};
 use chart::Chart;
@@ -77,11 +81,11 @@ impl Tile {
         if turn % 4 < 2 { direction } else { -direction }
     }
 
-    /// A free tile of side `h` at a point of a triangle, turned along the field.
+    /// A free tile at a point of a triangle, turned along the field; `h` is the scale of its sizes.
     pub(crate) fn free(surface: &Surface, field: &Field, triangle: u32, position: Vec3, h: f32) -> Self {
         Self {
             position: position.into(),
-            h,
+            h: h * field.sizes().at(surface, triangle, position),
             normal: surface.normal(triangle as usize).into(),
             triangle,
             axis: field.axis(surface, triangle, position).into(),
@@ -99,6 +103,8 @@ pub struct Mosaic {
     pub tiles: Vec<Tile>,
     /// How many of the tiles are sides.
     pub sides: usize,
+    /// The scale of the tiles' sizes.
+    pub scale: f32,
     pub(crate) rulers: Rulers,
     /// The metric in which the tiles are equal squares, where rows pass over the whole surface.
     pub(crate) chart: Option<Chart>,
@@ -118,7 +124,7 @@ impl Mosaic {
         own + self.free().len()
     }
 
-    /// Tiles of side `h` on the features, and these free tiles.
+    /// Tiles at the scale `h` on the features, and these free tiles.
     pub(crate) fn new(
         surface: &Surface,
         field: &Field,
@@ -129,7 +135,7 @@ impl Mosaic {
         let (sites, mut tiles) = seat::seat(surface, field, h, &rulers);
         let sides = tiles.len();
         tiles.extend(free);
-        Self { sites, tiles, sides, rulers, chart: None, row_ends: None }
+        Self { sites, tiles, sides, scale: h, rulers, chart: None, row_ends: None }
     }
 }
 
@@ -160,31 +166,28 @@ impl Default for Effort {
     }
 }
 
-/// How often each tile of the periodic solve is split into three by three where tiles of side `h` are wanted.
-fn splits(surface: &Surface, h: f64, solved: usize) -> i32 {
-    let excess = count_for_side(surface, h) / solved.max(1) as f64;
+/// How often each tile of the periodic solve is split into three by three where tiles at the scale `h` are wanted.
+fn splits(surface: &Surface, sizes: &Sizes, h: f64, solved: usize) -> i32 {
+    let excess = sizes.count_for_side(surface, h) / solved.max(1) as f64;
     excess.log(9.0).ceil().max(0.0) as i32
 }
 
-/// The longest edge of a surface on which a mosaic of `count` tiles can be laid, in unit-sized coordinates: the periodic
-/// solve sees its rows from vertex to vertex.
-pub fn longest_edge(surface: &Surface, count: usize) -> f64 {
-    let h = f64::from(side_for_count(surface, count));
-    LONGEST_EDGE * h * 3f64.powi(splits(surface, h, Effort::default().solved))
+/// The longest edge at each vertex of a surface on which a mosaic of `count` tiles can be laid, in unit-sized coordinates:
+/// the periodic solve sees its rows from vertex to vertex.
+pub fn longest_edges(surface: &Surface, sizes: &Sizes, count: usize) -> Vec<f64> {
+    let h = f64::from(sizes.side_for_count(surface, count));
+    let longest = LONGEST_EDGE * h * 3f64.powi(splits(surface, sizes, h, Effort::default().solved));
+    (0..surface.vertex_count() as u32).map(|v| longest * f64::from(sizes.at_vertex(v))).collect()
 }
 
-/// The number of tiles of side `h`, unit-sized, that a surface takes: the inverse of [`side_for_count`].
+/// The number of equal tiles of side `h`, unit-sized, that a surface takes: the inverse of [`side_for_count`].
 pub fn count_for_side(surface: &Surface, h: f64) -> f64 {
-    surface.area() / (h * h) + surface.boundary_length() / (2.0 * h)
+    Sizes::equal().count_for_side(surface, h)
 }
 
-/// The side for `count` tiles: inner tiles cover a square each, tiles on an open boundary half of one.
+/// The side of `count` equal tiles.
 pub fn side_for_count(surface: &Surface, count: usize) -> f32 {
-    let (area, boundary) = (surface.area(), surface.boundary_length());
-    // count = area / h^2 + boundary / (2 h), solved for 1 / h.
-    let half = boundary / 2.0;
-    let inverse = ((half * half + 4.0 * area * count as f64).sqrt() - half) / (2.0 * area);
-    (1.0 / inverse) as f32
+    Sizes::equal().side_for_count(surface, count)
 }
 
 /// Lays mosaics on one surface.
@@ -247,7 +250,7 @@ impl Layer<'_> {
     ///
     /// Up to there it is cheap, and laid again with another side until its promise is right.
     fn aimed_at(&self, count: f64) -> Result<Mosaic, ComputeError> {
-        let mut h = side_for_count(self.surface, count.round() as usize);
+        let mut h = self.field.sizes().side_for_count(self.surface, count.round() as usize);
         let mut best: Option<(f64, f32, Mosaic)> = None;
         for _ in 0..TRIES {
             let finest = self.promised(h)?;
@@ -271,9 +274,9 @@ impl Layer<'_> {
         Ok(settled)
     }
 
-    /// Tiles of side `h`, the finest level not relaxed.
+    /// Tiles at the scale `h`, the finest level not relaxed.
     fn promised(&self, h: f32) -> Result<Mosaic, ComputeError> {
-        let splits = splits(self.surface, f64::from(h), self.effort.solved);
+        let splits = splits(self.surface, self.field.sizes(), f64::from(h), self.effort.solved);
         if self.rows == Rows::Continuous {
             return self.woven(h, 3u32.pow(splits as u32));
         }
@@ -286,29 +289,31 @@ impl Layer<'_> {
         Ok(mosaic)
     }
 
-    /// Tiles of side `h` where the rows of the periodic solve cross.
+    /// Tiles at the scale `h` where the rows of the periodic solve cross.
     fn sown(&self, h: f32) -> Result<Mosaic, ComputeError> {
         let (surface, field) = (self.surface, self.field);
-        let phases = Phases::solve(surface, field, |_| f64::from(h), self.backend)?;
+        let side = |v| f64::from(h * field.sizes().at_vertex(v));
+        let phases = Phases::solve(surface, field, side, self.backend)?;
         let mut tiles = lattice::lattice(surface, field, &phases, h);
         if tiles.is_empty() {
             tiles = sow::sow(surface, field, h);
         }
-        let sown = Mosaic::new(surface, field, h, Rulers::new(surface, &phases), tiles);
+        let sown = Mosaic::new(surface, field, h, Rulers::new(surface, field, &phases), tiles);
         Ok(census::take(surface, field, &sown))
     }
 
     /// Tiles of side `h` in rows that pass over the whole surface; `finer` times as many rows as are solved for.
     fn woven(&self, h: f32, finer: u32) -> Result<Mosaic, ComputeError> {
         let (surface, field) = (self.surface, self.field);
-        let side = f64::from(h) * f64::from(finer);
-        let mut phases = Phases::solve(surface, field, |_| side, self.backend)?;
+        let side = |v| f64::from(h * field.sizes().at_vertex(v)) * f64::from(finer);
+        let mut phases = Phases::solve(surface, field, side, self.backend)?;
         let row_ends = phases.close(surface, self.backend)?;
         phases.multiply(finer);
-        let chart = Chart::new(surface, &phases);
+        let mut chart = Chart::new(surface, &phases);
         let tiles = lattice::woven(surface, field, &phases, &chart, h);
-        let woven = Mosaic::new(surface, field, h, Rulers::new(surface, &phases), tiles);
+        let woven = Mosaic::new(surface, field, h, Rulers::new(surface, field, &phases), tiles);
         let tiles = census::thin(&woven, lattice::DOUBLE);
+        chart.keep_cones(&tiles[woven.sides..]);
         Ok(Mosaic { tiles, chart: Some(chart), row_ends: Some(row_ends), ..woven })
     }
 
@@ -323,7 +328,7 @@ impl Layer<'_> {
         if self.rows == Rows::Continuous {
             return Ok(mosaic);
         }
-        let relaxation = Relaxation::new(self.effort.steps, h);
+        let relaxation = Relaxation::new(self.effort.steps, h, self.field.sizes());
         for _ in 0..self.effort.batches {
             mosaic.tiles = self.ground.relax(&mosaic.tiles, &relaxation)?;
             mosaic = census::take(self.surface, self.field, &mosaic);

@@ -7,14 +7,15 @@ use crate::field::Field;
 use crate::surface::{Surface, WALK_EDGES, walk};
 use rayon::prelude::*;
 
-/// The free tiles of side `h` that the mosaic's tiles, and those on features towards the inside, split into.
+/// The free tiles at the scale `h` that the mosaic's tiles, and those on features towards the inside, split into.
 pub fn refine(surface: &Surface, field: &Field, mosaic: &Mosaic, h: f32) -> Vec<Tile> {
     mosaic
         .tiles
         .par_iter()
         .flat_map_iter(|tile| {
+            let side = h * field.sizes().at(surface, tile.triangle, tile.at());
             places(tile).map(move |[x, y]| {
-                let way = (tile.direction(0) * x + tile.direction(1) * y) * h;
+                let way = (tile.direction(0) * x + tile.direction(1) * y) * side;
                 let barrier = |e| surface.features().is_feature(e);
                 let foot = walk(surface, barrier, tile.triangle, tile.at(), way, WALK_EDGES);
                 Tile::free(surface, field, foot.triangle, foot.position, h)

@@ -1,7 +1,8 @@
 //! Tiles on features: one at each corner, and as many along each feature curve as fit.
 //!
 //! # Practice
-//! A curve of length `l` holds `round(l / h)` intervals of tiles. Such a tile is one vertex of the mesh to come, but it
+//! A curve of length `l` holds `round(l / h)` intervals of equal tiles, or the integral of `1 / h` along it; within an edge
+//! they are even. Such a tile is one vertex of the mesh to come, but it
 //! is seen from each side of the feature apart, with that side's normal and the curve's tangent as axis. Where sheets
 //! meet, each has its own tiles, at the same places.
 
@@ -9,6 +10,7 @@ use super::Tile;
 use super::phases::Phases;
 use crate::field::Field;
 use crate::geometry::{cross, unit};
+use crate::sizes::Sizes;
 use crate::surface::{Curve, Surface, next, previous};
 use glam::Vec3;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -39,13 +41,13 @@ const SNAP: f64 = 1e-3;
 /// Quarter turns of a corner that no feature passes through: one more than there are, so that all directions lie inside.
 const ALL_ROUND: u32 = 5;
 
-/// The tiles of side `h` on the features, and the sides that they are seen from.
+/// The tiles at the scale `h` on the features, and the sides that they are seen from.
 pub fn seat(surface: &Surface, field: &Field, h: f32, rulers: &Rulers) -> (Vec<Site>, Vec<Tile>) {
     let mut seats = Seats::default();
     seats.at_corners(surface);
     let mut joined = FxHashSet::default();
     for curve in surface.features().curves() {
-        let path = Path::new(surface, curve);
+        let path = Path::new(surface, field.sizes(), curve);
         let least = {
             // Few intervals must not make a loop of less than three edges, nor two edges between the same two corners.
             let ends = path.ends(surface);
@@ -90,10 +92,10 @@ pub struct Rulers {
 
 impl Rulers {
     /// Where rows cross the features.
-    pub fn new(surface: &Surface, phases: &Phases) -> Self {
+    pub fn new(surface: &Surface, field: &Field, phases: &Phases) -> Self {
         let mut marks = FxHashMap::default();
         for curve in surface.features().curves() {
-            let path = Path::new(surface, curve);
+            let path = Path::new(surface, field.sizes(), curve);
             let ways = path.half_edges.iter().zip(&path.vertices).map(|(&h, &v)| {
                 let [at, step] = phases.along(h);
                 if surface.origin(h) == v { [at, step] } else { [-at - step, step] }
@@ -122,13 +124,14 @@ impl Rulers {
 struct Path {
     vertices: Vec<u32>,
     half_edges: Vec<u32>,
+    /// The lengths of the edges, and all of it, in tiles of scale 1.
     lengths: Vec<f64>,
     length: f64,
     closed: bool,
 }
 
 impl Path {
-    fn new(surface: &Surface, curve: &Curve) -> Self {
+    fn new(surface: &Surface, sizes: &Sizes, curve: &Curve) -> Self {
         let (mut vertices, mut half_edges) = (curve.vertices.clone(), curve.half_edges.clone());
         let place = |v: u32| surface.same_place(v);
         if curve.closed {
@@ -143,7 +146,7 @@ impl Path {
             vertices.reverse();
             half_edges.reverse();
         }
-        let lengths: Vec<f64> = half_edges.iter().map(|&h| surface.length(h)).collect();
+        let lengths: Vec<f64> = half_edges.iter().map(|&h| sizes.length(surface, h)).collect();
         Self { vertices, half_edges, length: lengths.iter().sum(), lengths, closed: curve.closed }
     }
 
@@ -235,8 +238,19 @@ fn place(surface: &Surface, seat: Seat) -> Vec3 {
     }
 }
 
+fn size(surface: &Surface, sizes: &Sizes, seat: Seat) -> f32 {
+    match seat {
+        Seat::Vertex(v) => sizes.at_vertex(v),
+        Seat::Edge(h, share) => {
+            let [a, b] = [surface.origin(h), surface.target(h)].map(|v| sizes.at_vertex(v));
+            a + (b - a) * share as f32
+        }
+    }
+}
+
 fn sides(surface: &Surface, field: &Field, seat: Seat, h: f32, tiles: &mut Vec<Tile>) {
     let position = place(surface, seat).into();
+    let h = h * size(surface, field.sizes(), seat);
     match seat {
         Seat::Edge(half_edge, _) => {
             for e in [Some(half_edge), surface.twin(half_edge)].into_iter().flatten() {
@@ -257,7 +271,7 @@ fn sides(surface: &Surface, field: &Field, seat: Seat, h: f32, tiles: &mut Vec<T
                 if quarters == 0 {
                     let triangle = field.sectors().first_corner[sector as usize] / 3;
                     let tile = Tile::free(surface, field, triangle, Vec3::from(position), h);
-                    tiles.push(Tile { quarters: ALL_ROUND, ..tile });
+                    tiles.push(Tile { h, quarters: ALL_ROUND, ..tile });
                     continue;
                 }
                 let (triangle, middle) = middle(surface, field, sector);

@@ -4,12 +4,13 @@ use super::Tile;
 use crate::field::Field;
 use crate::surface::Surface;
 
-/// About `area / h^2` free tiles of side `h`, at scattered places; the same ones every time.
+/// About as many free tiles at the scale `h` as have room, at scattered places; the same ones every time.
 ///
-/// Each tile has its own equal share of the area, counted through the triangles in order, so that the spread is even
+/// Each tile has its own equal share of the area, in tiles, counted through the triangles in order, so that the spread is even
 /// wherever neighbouring triangles have neighbouring numbers.
 pub fn sow(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
-    let areas: Vec<f64> = (0..surface.triangle_count()).map(|t| f64::from(surface.double_area(t))).collect();
+    let sizes = field.sizes();
+    let areas: Vec<f64> = (0..surface.triangle_count()).map(|t| sizes.double_area(surface, t)).collect();
     let total: f64 = areas.iter().sum();
     let count = (total / 2.0 / f64::from(h * h)).round().max(1.0) as u64;
     let mut tiles = Vec::with_capacity(count as usize);

@@ -74,6 +74,7 @@ mod tests {
     use super::*;
     use crate::compute::Cpu;
     use crate::field::{Field, FieldOptions};
+    use crate::mosaic::seat::Rulers;
     use crate::surface::FeatureOptions;
     use crate::surface::examples::Example;
     use glam::DVec3;
@@ -94,7 +95,7 @@ mod tests {
             let middle = surface.corners(triangle).iter().sum::<Vec3>() / 3.0;
             Tile::free(&surface, &field, triangle as u32, middle, h)
         });
-        let mosaic = Mosaic::new(&surface, &field, h, free.collect::<Vec<_>>());
+        let mosaic = Mosaic::new(&surface, &field, h, Rulers::default(), free.collect::<Vec<_>>());
         (surface, mosaic, h)
     }
 

@@ -126,7 +126,7 @@ impl Chart {
         } else {
             (0.0, (1.1 * most).ceil().max(1.0))
         };
-        let title = format!("{}: {}", subject.name, measure.name);
+        let title = format!("{}: {}", subject.stem, measure.name);
         Self { title, series, low, high }
     }
 

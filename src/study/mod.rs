@@ -31,8 +31,6 @@ use thiserror::Error;
 
 /// The table's file.
 pub const TABLE: &str = "study.json";
-/// Pixels of the pictures of meshes and mosaics.
-const PICTURE: [u32; 2] = [1200, 900];
 
 /// Why a study was not finished. What it has made stays, and it can be gone on with.
 #[derive(Debug, Error)]
@@ -81,6 +79,8 @@ pub struct Plan {
     pub angles: Vec<f64>,
     /// L, in tile sides, each with theta as it is by default.
     pub distances: Vec<f64>,
+    /// Pixels of the pictures of meshes and mosaics.
+    pub picture: [u32; 2],
 }
 
 impl Default for Plan {
@@ -90,6 +90,7 @@ impl Default for Plan {
             points: vec![6_000, 30_000, 60_000],
             angles: (2..=9).map(|step| 5.0 * f64::from(step)).collect(),
             distances: (6..=12).map(|step| f64::from(step) / 5.0).collect(),
+            picture: [1200, 900],
         }
     }
 }
@@ -149,7 +150,8 @@ pub fn run(
     progress: &dyn Fn(f64, &str),
 ) -> Result<Table, StudyError> {
     let old = table::read(&folder.join(TABLE))?;
-    let mut work = Work { folder, backend, progress, table: Table::default(), done: 0.0, all: 0.0 };
+    let mut work =
+        Work { folder, picture: plan.picture, backend, progress, table: Table::default(), done: 0.0, all: 0.0 };
     let constraints = plan.constraints();
     for subject in subjects {
         let digest = subject.digest();
@@ -180,6 +182,7 @@ fn weight(points: usize, connections: usize) -> f64 {
 
 struct Work<'a> {
     folder: &'a Path,
+    picture: [u32; 2],
     backend: &'a dyn Backend,
     progress: &'a dyn Fn(f64, &str),
     table: Table,
@@ -209,22 +212,22 @@ impl Work<'_> {
         let failed = |source: PipelineError| StudyError::Pipeline { surface: name.clone(), points, source };
         let compute = |source: ComputeError| failed(source.into());
         let started = Instant::now();
-        let (surface, count) = prepare(&subject.soup, &usual).map_err(failed)?;
-        let field = pipeline::field(&surface, count, &usual, self.backend).map_err(compute)?;
+        let (surface, sizes, count) = prepare(&subject.soup, &usual).map_err(failed)?;
+        let field = pipeline::field(&surface, sizes, count, &usual, self.backend).map_err(failed)?;
         let mosaic = pipeline::lay(&surface, &field, self.backend, count, &usual, &|_| ()).map_err(compute)?;
         let triangulation = triangulate(&surface, &field, &mosaic);
         let laid = started.elapsed();
         self.done += weight(points, 0);
 
-        draw(&pictures[0], &mosaic_scene(&surface, &mosaic, 0.1, None))?;
+        self.draw(&pictures[0], &mosaic_scene(&surface, &mosaic, 0.1, None))?;
         let connected = |connect| {
             let started = Instant::now();
             let options = Options { connect, ..usual.clone() };
             (pipeline::connected(&surface, &mosaic, &triangulation, &options), started.elapsed())
         };
         let Meshed { before, mesh, .. } = connected(usual.connect).0;
-        draw(&pictures[1], &mesh_scene(&before, Paint::Sides))?;
-        draw(&pictures[2], &mesh_scene(&mesh, Paint::Sides))?;
+        self.draw(&pictures[1], &mesh_scene(&before, Paint::Sides))?;
+        self.draw(&pictures[2], &mesh_scene(&mesh, Paint::Sides))?;
         for connect in missing {
             let ConnectOptions { max_distance, max_angle } = connect;
             say(self, format!("{name}, {points} points: theta {max_angle}, L {max_distance}"));
@@ -252,8 +255,8 @@ impl Work<'_> {
     fn save(&self) -> Result<(), StudyError> {
         Ok(table::write(self.folder, &self.table)?)
     }
-}
 
-fn draw(path: &Path, scene: &Scene) -> Result<(), StudyError> {
-    Ok(write_picture(path, scene, &View::default(), PICTURE)?)
+    fn draw(&self, path: &Path, scene: &Scene) -> Result<(), StudyError> {
+        Ok(write_picture(path, scene, &View::default(), self.picture)?)
+    }
 }

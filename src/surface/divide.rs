@@ -5,14 +5,22 @@ use super::{FeatureOptions, Features, Surface};
 use rustc_hash::FxHashMap;
 
 impl Surface {
-    /// The same surface with no edge longer than `longest`, in unit-sized coordinates.
-    pub(crate) fn divided(mut self, longest: f64, options: &FeatureOptions) -> Self {
+    /// The same surface with no edge longer than allowed at its two ends, in unit-sized coordinates, `longest` at each
+    /// vertex; and, for each vertex that was added, the two that it is in the middle of.
+    pub(crate) fn divided(mut self, mut longest: Vec<f64>, options: &FeatureOptions) -> (Self, Vec<[u32; 2]>) {
+        let mut added = Vec::new();
         loop {
-            let long = |&h: &u32| self.twin(h).is_none_or(|twin| h < twin) && self.length(h) > longest;
+            let ends = |h: u32| [self.origin(h), self.target(h)].map(|v| longest[v as usize]);
+            let allowed = |h: u32| ends(h)[0].min(ends(h)[1]);
+            let long = |&h: &u32| self.twin(h).is_none_or(|twin| h < twin) && self.length(h) > allowed(h);
             let middles: Vec<u32> = (0..3 * self.triangle_count() as u32).filter(long).collect();
             if middles.is_empty() {
-                return self;
+                return (self, added);
             }
+            // The middles are the vertices that are added, in their order.
+            let between: Vec<f64> = middles.iter().map(|&h| (ends(h)[0] + ends(h)[1]) / 2.0).collect();
+            longest.extend(between);
+            added.extend(middles.iter().map(|&h| [self.origin(h), self.target(h)]));
             self.halve(&middles, options);
         }
     }

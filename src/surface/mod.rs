@@ -337,6 +337,16 @@ impl Surface {
     }
 }
 
+/// How far a point of a triangle is towards its second and third corner, in shares of the way from the first.
+pub(crate) fn shares([a, b, c]: [Vec3; 3], position: Vec3) -> [f32; 2] {
+    let double_area = cross(b - a, c - a);
+    let normal = unit(double_area);
+    let total = dot(double_area, normal);
+    let to_b = (-dot(cross(c - a, position - a), normal) / total).clamp(0.0, 1.0);
+    let to_c = (dot(cross(b - a, position - a), normal) / total).clamp(0.0, 1.0);
+    [to_b, to_c]
+}
+
 /// The half-edge after this one in its triangle.
 pub(crate) fn next(half_edge: u32) -> u32 {
     if half_edge % 3 == 2 { half_edge - 2 } else { half_edge + 1 }

@@ -276,7 +276,7 @@ fn legalized_all_edges_are_delaunay() {
     let broken = |faces: &Intrinsic| (0..faces.origin.len() as u32).filter(|&h| !faces.is_delaunay(h)).count();
     assert!(broken(&faces) > 20, "the patch is not Delaunay as it is made");
     let mut stack = (0..faces.origin.len() as u32).collect();
-    faces.legalize(&mut stack, |_, _| true, |_, _, length| length);
+    faces.legalize(&mut stack, |_, _| true, |_, _, _, length| length);
     assert_eq!(broken(&faces), 0);
     assert_eq!(faults(&faces), none());
     assert!(against_plane(&faces, &points) < 1e-7, "flips in the plane are exact");
@@ -293,5 +293,5 @@ fn legalized_all_edges_are_delaunay() {
         assert!(points.iter().all(|p| (p[0] - centre[0]).hypot(p[1] - centre[1]) > radius - 1e-6), "face {f}");
     }
     let mut again = (0..faces.origin.len() as u32).collect();
-    faces.legalize(&mut again, |_, _| panic!("nothing is left to flip"), |_, _, length| length);
+    faces.legalize(&mut again, |_, _| panic!("nothing is left to flip"), |_, _, _, length| length);
 }

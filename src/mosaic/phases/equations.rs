@@ -17,17 +17,19 @@ const CONE_WEIGHT: f64 = 2.0;
 /// Sweeps on each finer level.
 const FLOWS: u32 = 20;
 
+/// What is linked to what.
+pub struct Graph<'a> {
+    pub surface: &'a Surface,
+    pub sectors: &'a Sectors,
+    pub ways: &'a [Way],
+    pub unknowns: &'a [Unknowns],
+    pub fixed: &'a [bool],
+}
+
 /// The equations of the phases.
-pub fn equations(
-    surface: &Surface,
-    sectors: &Sectors,
-    ways: &[Way],
-    unknowns: &[Unknowns],
-    fixed: &[bool],
-) -> Hierarchy {
-    let pulls = fixed.iter().map(|&fixed| [f32::from(fixed), 0.0]).collect();
-    let levels =
-        levels(surface, sectors, ways, unknowns, fixed, |way, k| TAU * way.by[k], pulls, &vec![0.0; fixed.len()]);
+pub fn equations(graph: &Graph) -> Hierarchy {
+    let pulls = graph.fixed.iter().map(|&fixed| [f32::from(fixed), 0.0]).collect();
+    let levels = graph.levels(|way, k| TAU * way.by[k], pulls, &vec![0.0; graph.fixed.len()]);
     let start = levels.iter().position(|level| level.len() <= OUTSET).unwrap_or(levels.len() - 1);
     let crosses = flowed(&levels[start], spread(&levels[start]), OUTSET_FLOWS);
     let pace = Pace { descents: 0, flows: FLOWS, last_flows: FLOWS };
@@ -37,7 +39,8 @@ pub fn equations(
 /// The equations of what must be added to the coordinates so that their steps are, in the sense of least squares, the
 /// ways: real numbers, held as imaginary ones, so that mirrored they are negative.
 pub fn offsets(surface: &Surface, phases: &Phases) -> Hierarchy {
-    let (sectors, unknowns) = (phases.field.sectors(), &phases.unknowns);
+    let graph = phases.graph(surface);
+    let Graph { sectors, unknowns, .. } = graph;
     let mut pulls = vec![[0.0, 0.0]; phases.fixed.len()];
     let mut pull = |unknown: u32, by: f64| {
         let pull: &mut Complex = &mut pulls[(unknown & !MIRRORED) as usize];
@@ -66,7 +69,7 @@ pub fn offsets(surface: &Surface, phases: &Phases) -> Hierarchy {
     for (pull, _) in pulls.iter_mut().zip(&phases.fixed).filter(|&(_, &fixed)| fixed) {
         *pull = [0.0, 0.0];
     }
-    let levels = levels(surface, sectors, &phases.ways, unknowns, &phases.fixed, |_, _| 0.0, pulls, &held);
+    let levels = graph.levels(|_, _| 0.0, pulls, &held);
     let start = levels.len() - 1;
     let crosses = vec![[0.0, 0.0]; levels[start].len()];
     Hierarchy { levels, start, crosses, pace: Pace { descents: 8, flows: 0, last_flows: 0 } }
@@ -144,51 +147,47 @@ fn readers(unknowns: &[Unknowns], count: usize) -> (Vec<u32>, Vec<[u32; 2]>) {
     (starts, readers)
 }
 
-/// Links each unknown along all half-edges; `turn` is the angle by which a way turns a value, in radians.
-fn levels(
-    surface: &Surface,
-    sectors: &Sectors,
-    ways: &[Way],
-    unknowns: &[Unknowns],
-    fixed: &[bool],
-    turn: impl Fn(&Way, usize) -> f64 + Sync,
-    pulls: Vec<Complex>,
-    held: &[f32],
-) -> Vec<Level> {
-    let (reader_starts, readers) = readers(unknowns, fixed.len());
-    // What direction `k` of the sector that a half-edge leaves is linked to at its end: the far value, taken back.
-    let link = |h: u32, k: u32, end: Unknowns| {
-        let way = ways[h as usize];
-        let (s, c) = turn(&way, k as usize).sin_cos();
-        let w = weight(sectors, h);
-        Link { neighbour: along(end, k + way.quarters), weight: [(w * c) as f32, (-w * s) as f32] }
-    };
-    let sector_of = |corner: u32| sectors.of_corner[corner as usize] as usize;
-    let Gathered { rows: excess, starts, links } = gather(fixed.len(), |i, links| {
-        let own = links.len();
-        let mut add = |unknown: u32, link: Link| {
-            // As the unknown itself, not as the sector that reads it.
-            let mirror = unknown & MIRRORED;
-            let weight = if mirror == 0 { link.weight } else { [link.weight[0], -link.weight[1]] };
-            let link = Link { neighbour: link.neighbour ^ mirror, weight };
-            if link.index() == i {
-                return;
-            }
-            match links[own..].iter_mut().find(|known| known.neighbour == link.neighbour) {
-                Some(known) => known.weight = [known.weight[0] + link.weight[0], known.weight[1] + link.weight[1]],
-                None => links.push(link),
-            }
+impl Graph<'_> {
+    /// Links each unknown along all half-edges; `turn` is the angle by which a way turns a value, in radians, `held` the
+    /// weight with which each unknown is pulled.
+    fn levels(&self, turn: impl Fn(&Way, usize) -> f64 + Sync, pulls: Vec<Complex>, held: &[f32]) -> Vec<Level> {
+        let &Self { surface, sectors, ways, unknowns, fixed } = self;
+
+        let (reader_starts, readers) = readers(unknowns, fixed.len());
+        // What direction `k` of the sector that a half-edge leaves is linked to at its end: the far value, taken back.
+        let link = |h: u32, k: u32, end: Unknowns| {
+            let way = ways[h as usize];
+            let (s, c) = turn(&way, k as usize).sin_cos();
+            let w = weight(sectors, h);
+            Link { neighbour: along(end, k + way.quarters), weight: [(w * c) as f32, (-w * s) as f32] }
         };
-        for &[sector, k] in &readers[reader_starts[i] as usize..reader_starts[i + 1] as usize] {
-            let unknown = unknowns[sector as usize][k as usize];
-            for corner in sectors.corners(surface, sector) {
-                add(unknown, link(corner, k, unknowns[sector_of(next(corner))]));
-                let entering = previous(corner);
-                let j = (k + ways[entering as usize].quarters) % 2;
-                add(unknown, link(entering, j, [0; 2]).back(unknowns[sector_of(entering)][j as usize]));
+        let sector_of = |corner: u32| sectors.of_corner[corner as usize] as usize;
+        let Gathered { rows: excess, starts, links } = gather(fixed.len(), |i, links| {
+            let own = links.len();
+            let mut add = |unknown: u32, link: Link| {
+                // As the unknown itself, not as the sector that reads it.
+                let mirror = unknown & MIRRORED;
+                let weight = if mirror == 0 { link.weight } else { [link.weight[0], -link.weight[1]] };
+                let link = Link { neighbour: link.neighbour ^ mirror, weight };
+                if link.index() == i {
+                    return;
+                }
+                match links[own..].iter_mut().find(|known| known.neighbour == link.neighbour) {
+                    Some(known) => known.weight = [known.weight[0] + link.weight[0], known.weight[1] + link.weight[1]],
+                    None => links.push(link),
+                }
+            };
+            for &[sector, k] in &readers[reader_starts[i] as usize..reader_starts[i + 1] as usize] {
+                let unknown = unknowns[sector as usize][k as usize];
+                for corner in sectors.corners(surface, sector) {
+                    add(unknown, link(corner, k, unknowns[sector_of(next(corner))]));
+                    let entering = previous(corner);
+                    let j = (k + ways[entering as usize].quarters) % 2;
+                    add(unknown, link(entering, j, [0; 2]).back(unknowns[sector_of(entering)][j as usize]));
+                }
             }
-        }
-        Excess { fixed: fixed[i], pull: held[i], ..Excess::default() }
-    });
-    coarsen(Level::new(&excess, &starts, links, pulls), excess)
+            Excess { fixed: fixed[i], pull: held[i], ..Excess::default() }
+        });
+        coarsen(Level::new(&excess, &starts, links, pulls), excess)
+    }
 }

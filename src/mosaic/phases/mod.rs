@@ -28,6 +28,7 @@ mod rows;
 pub(super) mod ways;
 
 pub use cones::Cone;
+use equations::Graph;
 pub use rows::RowEnds;
 pub use ways::Way;
 pub(super) use ways::turning;
@@ -72,7 +73,8 @@ impl<'a> Phases<'a> {
     ) -> Result<Self, ComputeError> {
         let ways = ways::ways(surface, field.sectors(), &ways::axes(field), side);
         let (unknowns, fixed) = equations::unknowns(surface, field.sectors());
-        let values = backend.smooth(&equations::equations(surface, field.sectors(), &ways, &unknowns, &fixed))?;
+        let graph = Graph { surface, sectors: field.sectors(), ways: &ways, unknowns: &unknowns, fixed: &fixed };
+        let values = backend.smooth(&equations::equations(&graph))?;
         let places = unknowns.iter().map(|pair| pair.map(|unknown| turns(&values, unknown))).collect();
         let mut phases = Self { field, ways, places, jumps: Vec::new(), unknowns, fixed };
         phases.jumps = phases.nearest_jumps(surface);
@@ -101,6 +103,10 @@ impl<'a> Phases<'a> {
         self.places.iter_mut().flatten().for_each(|place| *place *= f64::from(by));
         self.jumps.iter_mut().flatten().for_each(|jump| *jump *= by as i32);
         self.ways.iter_mut().flat_map(|way| &mut way.by).for_each(|side| *side *= f64::from(by));
+    }
+
+    fn graph<'g>(&'g self, surface: &'g Surface) -> Graph<'g> {
+        Graph { surface, sectors: self.field.sectors(), ways: &self.ways, unknowns: &self.unknowns, fixed: &self.fixed }
     }
 
     /// The jumps that make steps most like the ways.

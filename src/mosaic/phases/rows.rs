@@ -396,7 +396,7 @@ impl Flow<'_, '_> {
     fn cross(&mut self, state: u32, half_edge: u32) {
         let here = (state % 4 + 4 - self.phases.quarters_home(half_edge)) % 4;
         if self.surface.features().is_feature(half_edge) {
-            let same = (self.along(half_edge) + 4 - here) % 4 == 0;
+            let same = (self.along(half_edge) + 4 - here).is_multiple_of(4);
             self.intervals[self.curve_of[half_edge as usize] as usize] += if same { -1 } else { 1 };
         }
         let add = |jump: &mut [i32; 2], k: u32| {

@@ -114,6 +114,11 @@ pub(crate) fn polygons(path: &Path, format: Option<Format>) -> Result<Polygons, 
     }
 }
 
+/// The coordinates and the property `size` of the vertices of PLY; `None` where the content is none.
+pub(crate) fn ply_sizes(bytes: &[u8], name: &str) -> Option<Result<Vec<[f64; 4]>, LoadError>> {
+    ply::recognises(bytes).then(|| ply::sizes(bytes, name))
+}
+
 /// With no more bytes, vertices and corners can be counted in 32 bits.
 const MOST_BYTES: u64 = u32::MAX as u64;
 

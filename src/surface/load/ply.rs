@@ -19,28 +19,18 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
         return Err(LoadError::NoFaces { file: file.to_owned(), vertices });
     }
     let mut polygons = Polygons::default();
-    let mut cursor = header.body;
     // Where the vertices are that are not finite; only those that a face uses are wrong.
     let mut nowhere = Vec::new();
-    // Rows without a property take no bytes.
-    for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
-        for row in 0..element.rows {
-            let start = cursor.begin_row();
-            let point = element.read_row(&mut cursor, vertices, &mut polygons).map_err(|stop| match stop {
-                Stop::End => {
-                    let what = element.plural();
-                    LoadError::CutOff { file: file.to_owned(), what, said: element.rows, found: row }
-                }
-                Stop::Fault(fault) => start.error(element, row, fault, bytes, file),
-            })?;
-            if element.name == VERTEX {
-                polygons.points.push(point);
-                if !point.iter().all(|coordinate| coordinate.is_finite()) {
-                    nowhere.push((element, row, start));
-                }
+    let mut points = Vec::new();
+    header.rows_of_all(bytes, file, &mut polygons, |element, row, start, [x, y, z, _]| {
+        if element.name == VERTEX {
+            points.push([x, y, z]);
+            if ![x, y, z].iter().all(|coordinate| coordinate.is_finite()) {
+                nowhere.push((element, row, start));
             }
         }
-    }
+    })?;
+    polygons.points = points;
     if let Some(vertex) = polygons.nowhere()
         && let Some((element, row, start)) = nowhere.into_iter().find(|wrong| wrong.1 == vertex)
     {
@@ -49,6 +39,23 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
         return Err(start.error(element, row, Fault::NotFinite { word }, bytes, file));
     }
     Ok(polygons)
+}
+
+/// The coordinates and the property `size` of all vertices.
+pub(super) fn sizes(bytes: &[u8], file: &str) -> Result<Vec<[f64; 4]>, LoadError> {
+    let header = Header::parse(bytes).map_err(|(line, fault)| LoadError::at_line(file, bytes, line, fault))?;
+    if !header.has(VERTEX, Role::Size) {
+        let fault = Fault::HeaderLacks { what: "the property size of the element vertex" };
+        return Err(LoadError::at_line(file, bytes, header.body.line - 1, fault));
+    }
+    let mut polygons = Polygons::default();
+    let mut sizes = Vec::new();
+    header.rows_of_all(bytes, file, &mut polygons, |element, _, _, row| {
+        if element.name == VERTEX {
+            sizes.push(row);
+        }
+    })?;
+    Ok(sizes)
 }
 
 const VERTEX: &str = "vertex";
@@ -78,6 +85,8 @@ struct Property {
 enum Role {
     /// A coordinate of a vertex.
     Axis(usize),
+    /// The tile side that is wanted at a vertex.
+    Size,
     /// The vertices of a face.
     Corners,
     Ignored,
@@ -149,15 +158,44 @@ impl<'a> Header<'a> {
         let encoding = encoding.ok_or(lacks("a line format"))?;
         let body = Cursor { bytes, at, line: line + 1, encoding };
         let header = Self { elements, body };
-        let has =
-            |name, role| header.find(name).is_some_and(|element| element.properties.iter().any(|p| p.role == role));
-        if header.rows(VERTEX) > 0 && !(0..3).all(|axis| has(VERTEX, Role::Axis(axis))) {
+        if header.rows(VERTEX) > 0 && !(0..3).all(|axis| header.has(VERTEX, Role::Axis(axis))) {
             return Err(lacks("the properties x, y and z of the element vertex"));
         }
-        if header.rows(FACE) > 0 && !has(FACE, Role::Corners) {
+        if header.rows(FACE) > 0 && !header.has(FACE, Role::Corners) {
             return Err(lacks("the list vertex_indices of the element face"));
         }
         Ok(header)
+    }
+
+    /// Reads all rows: their faces into `polygons`; `visit` is told the element, the row's number and place, and its values
+    /// of x, y, z and size.
+    fn rows_of_all<'h>(
+        &'h self,
+        bytes: &[u8],
+        file: &str,
+        polygons: &mut Polygons,
+        mut visit: impl FnMut(&'h Element, usize, Cursor<'a>, [f64; 4]),
+    ) -> Result<(), LoadError> {
+        let mut cursor = self.body;
+        // Rows without a property take no bytes.
+        for element in self.elements.iter().filter(|element| !element.properties.is_empty()) {
+            for row in 0..element.rows {
+                let start = cursor.begin_row();
+                let values = element.read_row(&mut cursor, self.rows(VERTEX), polygons).map_err(|stop| match stop {
+                    Stop::End => {
+                        let what = element.plural();
+                        LoadError::CutOff { file: file.to_owned(), what, said: element.rows, found: row }
+                    }
+                    Stop::Fault(fault) => start.error(element, row, fault, bytes, file),
+                })?;
+                visit(element, row, start, values);
+            }
+        }
+        Ok(())
+    }
+
+    fn has(&self, element: &str, role: Role) -> bool {
+        self.find(element).is_some_and(|element| element.properties.iter().any(|property| property.role == role))
     }
 
     fn find(&self, name: &str) -> Option<&Element> {
@@ -211,6 +249,7 @@ impl Role {
             (VERTEX, b"x", false) => Self::Axis(0),
             (VERTEX, b"y", false) => Self::Axis(1),
             (VERTEX, b"z", false) => Self::Axis(2),
+            (VERTEX, b"size", false) => Self::Size,
             (FACE, b"vertex_indices" | b"vertex_index", true) => Self::Corners,
             _ => Self::Ignored,
         }
@@ -218,14 +257,16 @@ impl Role {
 }
 
 impl Element {
-    /// Reads a row: adds its corners as a face, if it has some, and returns its coordinates, if it has some.
-    fn read_row(&self, cursor: &mut Cursor, vertices: usize, polygons: &mut Polygons) -> Result<[f64; 3], Stop> {
-        let mut point = [0.0; 3];
+    /// Reads a row: adds its corners as a face, if it has some, and returns x, y, z and size, zero where it has none.
+    fn read_row(&self, cursor: &mut Cursor, vertices: usize, polygons: &mut Polygons) -> Result<[f64; 4], Stop> {
+        let mut values = [0.0; 4];
         for &Property { role, length, value } in &self.properties {
             let Some(length) = length else {
                 let number = cursor.value(value)?;
-                if let Role::Axis(axis) = role {
-                    point[axis] = number;
+                match role {
+                    Role::Axis(axis) => values[axis] = number,
+                    Role::Size => values[3] = number,
+                    Role::Corners | Role::Ignored => {}
                 }
                 continue;
             };
@@ -234,7 +275,7 @@ impl Element {
                 return Err(Fault::NoListLength { count }.into());
             }
             let count = count as usize;
-            if role == Role::Ignored {
+            if role != Role::Corners {
                 cursor.skip(count, value)?;
                 continue;
             }
@@ -248,7 +289,7 @@ impl Element {
             polygons.end_face()?;
         }
         cursor.end_row()?;
-        Ok(point)
+        Ok(values)
     }
 
     fn plural(&self) -> String {

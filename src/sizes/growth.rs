@@ -1,0 +1,64 @@
+//! Sides that do not grow faster than allowed.
+
+use crate::surface::Surface;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// The edges of a surface, ready to bound sides along them.
+pub struct Growth<'a> {
+    surface: &'a Surface,
+    /// Where the edges at each place begin in `edges`.
+    starts: Vec<u32>,
+    /// The other end and the length.
+    edges: Vec<(u32, f64)>,
+}
+
+impl<'a> Growth<'a> {
+    pub fn new(surface: &'a Surface) -> Self {
+        let ends = |h: u32| [surface.origin(h), surface.target(h)].map(|v| surface.same_place(v));
+        // Both ways, also where an edge has one half-edge alone.
+        let mut all: Vec<[u32; 3]> = (0..3 * surface.triangle_count() as u32)
+            .flat_map(|h| {
+                let [a, b] = ends(h);
+                [[a, b, h], [b, a, h]]
+            })
+            .collect();
+        all.sort_unstable();
+        all.dedup_by_key(|[a, b, _]| [*a, *b]);
+        let starts = (0..=surface.vertex_count() as u32).map(|v| all.partition_point(|edge| edge[0] < v) as u32);
+        let edges = all.iter().map(|&[_, b, h]| (b, surface.length(h))).collect();
+        Self { surface, starts: starts.collect(), edges }
+    }
+
+    /// Lowers each side to the least that the others allow: along an edge, by at most `slope` times its length.
+    ///
+    /// The smallest side is settled first and bounds its neighbours, as in Dijkstra's search for shortest ways. Across
+    /// triangles, where no edge runs, sides may grow a little faster.
+    pub fn limit(&self, sides: &mut [f64], slope: f64) {
+        let first = |v: usize| self.surface.same_place(v as u32) as usize;
+        for v in 0..sides.len() {
+            sides[first(v)] = sides[first(v)].min(sides[v]);
+        }
+        // The bits of positive numbers are ordered as the numbers are.
+        let places = (0..sides.len()).filter(|&v| first(v) == v);
+        let mut queue: BinaryHeap<Reverse<(u64, u32)>> =
+            places.map(|v| Reverse((sides[v].to_bits(), v as u32))).collect();
+        while let Some(Reverse((bits, vertex))) = queue.pop() {
+            let side = f64::from_bits(bits);
+            if side > sides[vertex as usize] {
+                continue;
+            }
+            let at = self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize;
+            for &(other, length) in &self.edges[at] {
+                let most = side + slope * length;
+                if most < sides[other as usize] {
+                    sides[other as usize] = most;
+                    queue.push(Reverse((most.to_bits(), other)));
+                }
+            }
+        }
+        for v in 0..sides.len() {
+            sides[v] = sides[first(v)];
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! From what is asked for, points with sizes or a bound on how far the surface turns, to the sizes of a surface.
+
+use super::growth::Growth;
+use super::{SizeSample, Sizes, SizesError};
+use crate::surface::Surface;
+use crate::surface::curvature::{curvatures_above, radius_of_tile};
+use rayon::prelude::*;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+/// Curvature makes no tile smaller than this share of what it would be without.
+const LEAST: f64 = 0.25;
+/// Samples that a place takes its size from.
+const NEAREST: usize = 8;
+/// Rounds of fitting the scale to the count, each of which leaves about a tenth of the miss.
+const ROUNDS: usize = 8;
+/// The miss that is small enough; what is left of it the final scale takes away.
+const MISS: f64 = 1e-3;
+
+/// What sizes are to follow. Default: nothing, equal tiles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SizeOptions {
+    /// Sizes at points, spread over the surface: by the inverse squares of the distances of the nearest eight, straight
+    /// through space. With a count they are relative, without in model units.
+    pub samples: Vec<SizeSample>,
+    /// Tiles are so small, down to a quarter of what they would be without, that the surface turns by at most this angle
+    /// within one, in degrees.
+    pub curvature: Option<f64>,
+    /// The largest ratio of the sides of two tiles beside each other. Default 1.2.
+    pub growth: f64,
+}
+
+impl Default for SizeOptions {
+    fn default() -> Self {
+        Self { samples: Vec::new(), curvature: None, growth: 1.2 }
+    }
+}
+
+impl SizeOptions {
+    /// What they ask for on a surface of tiles of about this side, in unit-sized coordinates.
+    pub(crate) fn on<'a>(&'a self, surface: &Surface, side: f64) -> Wanted<'a> {
+        Wanted { options: self, samples: self.spread(surface), bends: self.bends(surface, side) }
+    }
+
+    /// The number of tiles of the sides that the samples give as they are, in model units.
+    ///
+    /// # Errors
+    /// Where samples give no positive size that an `f32` holds.
+    pub fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
+        let flat = Self { curvature: None, ..self.clone() };
+        let count = flat.on(surface, 1.0).count(surface)?;
+        if self.curvature.is_none() {
+            return Ok(count);
+        }
+        self.on(surface, f64::from(Sizes::equal().side_for_count(surface, count as usize + 1))).count(surface)
+    }
+
+    /// Whether they ask for equal tiles.
+    pub fn are_equal(&self) -> bool {
+        self.samples.is_empty() && self.curvature.is_none()
+    }
+
+    /// The samples' side at each vertex, in unit-sized coordinates; 1 where there are none.
+    fn spread(&self, surface: &Surface) -> Vec<f64> {
+        if self.samples.is_empty() {
+            return vec![1.0; surface.vertex_count()];
+        }
+        let frame = surface.frame();
+        let place = |sample: &SizeSample| GeomWithData::new(frame.to_unit(sample.point), sample.size / frame.diagonal);
+        let samples = RTree::bulk_load(self.samples.iter().map(place).collect());
+        let size = |v: u32| {
+            let (mut sum, mut total) = (0.0, 0.0);
+            for (sample, squared) in samples.nearest_neighbor_iter_with_distance_2(surface.point(v)).take(NEAREST) {
+                // Coordinates are rounded to 3e-8: a sample nearer than that is at the place itself.
+                let weight = 1.0 / (squared + 1e-14);
+                sum += weight * sample.data;
+                total += weight;
+            }
+            sum / total
+        };
+        (0..surface.vertex_count() as u32).into_par_iter().map(size).collect()
+    }
+
+    /// By how much the surface turns per length at each vertex, in radians; what does not matter is left out.
+    fn bends(&self, surface: &Surface, side: f64) -> Option<Vec<f64>> {
+        let angle = self.curvature?.to_radians();
+        // Bends as narrow as half a tile are seen; what turns by less than half the angle in a tile does not matter.
+        let curvatures = curvatures_above(surface, radius_of_tile(side / 2.0), angle / (2.0 * side));
+        Some(curvatures.iter().map(|bend| bend.values[0].abs()).collect())
+    }
+}
+
+/// What [`SizeOptions`] ask for at the vertices of a surface.
+pub(crate) struct Wanted<'a> {
+    options: &'a SizeOptions,
+    /// The side that samples give, in unit-sized coordinates.
+    samples: Vec<f64>,
+    /// By how much the surface turns per length, in radians.
+    bends: Option<Vec<f64>>,
+}
+
+impl Wanted<'_> {
+    /// Sizes for which `count` tiles can be laid.
+    ///
+    /// # Errors
+    /// Where samples give no positive size that an `f32` holds.
+    pub fn sizes(&self, surface: &Surface, count: usize) -> Result<Sizes, SizesError> {
+        if self.options.are_equal() {
+            return Ok(Sizes::equal());
+        }
+        let growth = Growth::new(surface);
+        let mut scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
+        for _ in 0..ROUNDS {
+            let sizes = relative(surface, &self.sides(&growth, scale), scale)?;
+            let found = sizes.count_for_side(surface, scale) / count as f64;
+            if found.ln().abs() < MISS {
+                return Ok(sizes);
+            }
+            scale *= found.sqrt();
+        }
+        relative(surface, &self.sides(&growth, scale), scale)
+    }
+
+    fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
+        Ok(relative(surface, &self.sides(&Growth::new(surface), 1.0), 1.0)?.count_for_side(surface, 1.0))
+    }
+
+    /// The same where vertices were added to the surface, each in the middle between two.
+    pub fn divided(self, surface: &Surface, middles: &[[u32; 2]]) -> Self {
+        let bends = self.bends.map(|mut bends| {
+            for ends in middles {
+                let [a, b] = ends.map(|v| bends[v as usize]);
+                bends.push((a + b) / 2.0);
+            }
+            bends
+        });
+        Self { options: self.options, samples: self.options.spread(surface), bends }
+    }
+
+    /// The sides at this scale: no larger than curvature allows, nor than growth.
+    fn sides(&self, growth: &Growth, scale: f64) -> Vec<f64> {
+        let mut sides: Vec<f64> = self.samples.iter().map(|side| scale * side).collect();
+        if let (Some(degrees), Some(bends)) = (self.options.curvature, &self.bends) {
+            for (side, bend) in sides.iter_mut().zip(bends) {
+                *side = side.min((degrees.to_radians() / bend).max(LEAST * *side));
+            }
+        }
+        growth.limit(&mut sides, self.options.growth - 1.0);
+        sides
+    }
+}
+
+fn relative(surface: &Surface, sides: &[f64], scale: f64) -> Result<Sizes, SizesError> {
+    Sizes::from_vertices(surface, sides.iter().map(|side| (side / scale) as f32).collect())
+}

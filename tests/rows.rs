@@ -1,0 +1,89 @@
+//! Rows that pass over the whole surface, and sizes that fit them.
+
+mod common;
+
+use common::surfaces::example;
+use quadmosaic::compute::{Backend, Cpu};
+use quadmosaic::gpu::GpuBackend;
+use quadmosaic::mesh::check::check;
+use quadmosaic::mesh::quality::Quality;
+use quadmosaic::mosaic::Rows;
+use quadmosaic::mosaic::fitting::fitting;
+use quadmosaic::pipeline::{Fineness, Options, Outcome, field, prepare, run};
+
+const POINTS: usize = 1_500;
+
+fn options(rows: Rows, fit: f64) -> Options {
+    Options { rows, fit, ..Options::new(Fineness::Points(POINTS)) }
+}
+
+fn meshed(name: &str, rows: Rows, fit: f64, backend: &dyn Backend) -> Outcome {
+    run(&example(name, 6_000), &options(rows, fit), backend, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Faces that are no quads, before any clean-up, as a share of all.
+fn odd(outcome: &Outcome) -> f64 {
+    1.0 - Quality::of(&outcome.before).qr
+}
+
+#[test]
+fn continuous_rows_leave_no_end_and_hardly_an_odd_face() {
+    for (name, characteristic, loops) in [("torus", 0, 0), ("sphere", 2, 0), ("block", 0, 0), ("m6", 1, 1)] {
+        let paper = meshed(name, Rows::Paper, 0.0, &Cpu);
+        let woven = meshed(name, Rows::Continuous, 1.0, &Cpu);
+        let ends = woven.mosaic.row_ends.expect("rows were led on");
+        assert_eq!(ends.after, 0, "{name}: {ends:?}");
+        assert!(paper.mosaic.row_ends.is_none());
+        let faults = check(&woven.mesh);
+        assert!(faults.is_clean(), "{name}: {faults}");
+        assert_eq!((faults.euler, faults.boundary_loops), (characteristic, loops), "{name}");
+        // Where the coordinates fold, beside cones and corners, holes are left: a dozen odd faces are 1 % of these meshes.
+        assert!(odd(&woven) < 0.015, "{name}: {}", odd(&woven));
+        let miss = Quality::of(&woven.mesh).vertices as f64 / POINTS as f64 - 1.0;
+        // Rows come whole: one more round the block's hole is 3 % of its tiles.
+        assert!(miss.abs() < 0.04, "{name}: {miss}");
+    }
+    // Equal tiles on a torus need row ends: its outer side is longer than its inner one.
+    let torus = meshed("torus", Rows::Paper, 0.0, &Cpu);
+    assert!(odd(&torus) > 0.01, "{}", odd(&torus));
+}
+
+#[test]
+fn fitting_tiles_of_a_torus_grow_with_the_distance_from_its_axis() {
+    // The field runs along the circles; rows across them fit where tiles are as wide as the circle is long.
+    let options = options(Rows::Paper, 0.0);
+    let (surface, sizes, count) = prepare(&example("torus", 40_000), &options).expect("a torus");
+    let field = field(&surface, sizes, count, &options, &Cpu).expect("the CPU does not fail");
+    let logs = fitting(&surface, &field, 10.0, &Cpu).expect("the CPU does not fail");
+    let radius = |v: usize| {
+        let [x, y, _] = surface.frame().to_model(surface.point(v as u32));
+        x.hypot(y)
+    };
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let radii: Vec<f64> = (0..logs.len()).map(|v| radius(v).ln()).collect();
+    // The tanh that holds the range takes a tenth of the largest values; the slope shows it less.
+    let (x, y) = (mean(&radii), mean(&logs));
+    let product = |a: &[f64], b: &[f64], [p, q]: [f64; 2]| a.iter().zip(b).map(|(a, b)| (a - p) * (b - q)).sum::<f64>();
+    let slope = product(&radii, &logs, [x, y]) / product(&radii, &radii, [x, x]);
+    assert!((slope - 1.0).abs() < 0.1, "log h grows {slope} times as fast as the log of the radius");
+    let correlation = slope * (product(&radii, &radii, [x, x]) / product(&logs, &logs, [y, y])).sqrt();
+    assert!(correlation > 0.99, "{correlation}");
+    let unfit: Vec<f64> = radii.iter().map(|r| -r).collect();
+    assert!(product(&unfit, &logs, [-x, y]) < 0.0, "the opposite would be seen");
+}
+
+#[test]
+fn continuous_rows_are_the_same_on_both_backends_and_every_time() {
+    let cpu = meshed("block", Rows::Continuous, 1.0, &Cpu).mesh;
+    assert_eq!(cpu, meshed("block", Rows::Continuous, 1.0, &Cpu).mesh);
+    assert_ne!(cpu, meshed("block", Rows::Continuous, 0.5, &Cpu).mesh, "the dial does something");
+    let Some(gpu) = common::gpu() else { return };
+    let backend = GpuBackend::new(gpu).expect("kernels");
+    let other = meshed("block", Rows::Continuous, 1.0, &backend).mesh;
+    if gpu.adapter().hardware {
+        // Other roundings may lead a row elsewhere; the figures agree.
+        assert!((Quality::of(&cpu).qr - Quality::of(&other).qr).abs() < 0.02);
+    } else {
+        assert_eq!(cpu, other);
+    }
+}
