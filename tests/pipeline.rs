@@ -150,7 +150,7 @@ fn feature_edges_are_edges_of_the_mesh() {
 fn holes_are_left_or_filled_as_asked() {
     let soup = example("torus", TRIANGLES);
     let with = |holes: Holes| {
-        let outcome = meshed(&soup, &Options { holes, cleanup: None, smoothing: 0, ..options() });
+        let outcome = meshed(&soup, &Options { holes, cleanup: None, pairing: None, smoothing: 0, ..options() });
         (Quality::of(&outcome.mesh), outcome.holes)
     };
     let (left, holes) = with(Holes::Leave);
@@ -164,13 +164,18 @@ fn holes_are_left_or_filled_as_asked() {
 #[test]
 fn without_clean_up_and_smoothing_the_mesh_is_what_the_filling_left() {
     let soup = example("plate", TRIANGLES);
-    let bare = Options { cleanup: None, smoothing: 0, ..options() };
+    let bare = Options { cleanup: None, pairing: None, smoothing: 0, ..options() };
     let outcome = meshed(&soup, &bare);
     assert_eq!(outcome.before, outcome.mesh);
-    assert_eq!(outcome.cleaned, None);
-    for other in [Options { smoothing: 1, ..bare.clone() }, Options { cleanup: options().cleanup, ..bare }] {
+    assert_eq!((outcome.cleaned, outcome.paired), (None, None));
+    let others = [
+        Options { smoothing: 1, ..bare.clone() },
+        Options { cleanup: options().cleanup, holes: Holes::Triangles, ..bare.clone() },
+        Options { pairing: options().pairing, ..bare },
+    ];
+    for other in others {
         let outcome = meshed(&soup, &other);
-        assert_ne!(outcome.before, outcome.mesh);
+        assert!(outcome.before != outcome.mesh, "{other:?}");
     }
 }
 
@@ -242,8 +247,16 @@ fn progress_is_told_stage_by_stage() {
         told.borrow_mut().push((stage, share));
     })
     .unwrap_or_else(|error| panic!("{error}"));
-    let stages =
-        [Stage::Surface, Stage::Field, Stage::Mosaic, Stage::Connect, Stage::Fill, Stage::Clean, Stage::Smooth];
+    let stages = [
+        Stage::Surface,
+        Stage::Field,
+        Stage::Mosaic,
+        Stage::Connect,
+        Stage::Fill,
+        Stage::Clean,
+        Stage::Pair,
+        Stage::Smooth,
+    ];
     assert!(outcome.times.iter().map(|t| t.0).eq(stages));
     let told = told.into_inner();
     let mut order: Vec<Stage> = told.iter().map(|t| t.0).collect();
