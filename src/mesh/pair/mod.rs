@@ -166,7 +166,7 @@ const MOST: f64 = 2.6;
 /// The count of vertices changes by one in so many at most, since so many were asked for, ...
 const DRIFT: i64 = 150;
 /// ... but on small meshes by this.
-const LEAST_DRIFT: i64 = 2;
+const LEAST_DRIFT: i64 = 8;
 /// The price of a triangle where all are to go.
 const DEAR: f64 = 3.0;
 /// Drafts that gain less are not made.
