@@ -44,7 +44,7 @@ fn every_pair_is_a_row_with_the_figures_of_a_run() {
     let row = &table.rows[9];
     assert_eq!((row.surface.as_str(), row.points, row.max_angle), ("a <plate>", 300, 20.0));
     let connect = ConnectOptions { max_angle: 20.0, max_distance: 1.6 };
-    let options = Options { connect, ..Options::new(Fineness::Points(300)) };
+    let options = Options { connect, pairing: None, ..Options::new(Fineness::Points(300)) };
     let outcome =
         pipeline::run(&subjects[1].soup, &options, &Cpu, &|_, _| ()).unwrap_or_else(|error| panic!("{error}"));
     let [before, after] = [&outcome.before, &outcome.mesh].map(Quality::of);

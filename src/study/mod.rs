@@ -207,7 +207,9 @@ impl Work<'_> {
             return Ok(());
         }
         let say = |work: &Self, what: String| (work.progress)(work.done / work.all, &what);
-        let (name, usual) = (&subject.name, Options::new(Fineness::Points(points)));
+        let name = &subject.name;
+        // The paper has no pairing of triangles.
+        let usual = Options { pairing: None, ..Options::new(Fineness::Points(points)) };
         say(self, format!("{name}, {points} points: mosaic"));
         let failed = |source: PipelineError| StudyError::Pipeline { surface: name.clone(), points, source };
         let compute = |source: ComputeError| failed(source.into());
