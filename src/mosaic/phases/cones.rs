@@ -24,12 +24,10 @@ fn less(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 impl Cone {
     /// Its place in the triangle, by the corners' shares.
     pub fn shares(&self, phases: &Phases) -> [f64; 3] {
+        // Of the triangle of the other two corners and the cone, in the frame of the first of them.
         let area = |k: usize| {
-            let [j, i] = [(k + 1) % 3, (k + 2) % 3];
-            // The triangle of the two other corners and the cone, in the frame of the first of them.
-            let side = phases.step(3 * self.triangle + j as u32);
-            let arm = self.arms[j];
-            debug_assert!(i < 3);
+            let next = (k + 1) % 3;
+            let (side, arm) = (phases.step(3 * self.triangle + next as u32), self.arms[next]);
             side[0] * arm[1] - side[1] * arm[0]
         };
         let shares = [0, 1, 2].map(|k| area(k).max(0.0));
