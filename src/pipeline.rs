@@ -369,7 +369,7 @@ fn count(surface: &Surface, options: &Options) -> Result<usize, PipelineError> {
                 return Ok((count.round() as usize).max(*POINTS.start()));
             }
             Err(PipelineError::Fineness(format!(
-                "the surface takes {count:.3e} tiles of the given sizes; ask for larger ones, in model units, so that {}                  are enough",
+                "the surface takes {count:.3e} tiles of the given sizes; ask for larger ones, in model units, so that {} are enough",
                 POINTS.end()
             )))
         }
