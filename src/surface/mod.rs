@@ -29,7 +29,7 @@ pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use features::{Curve, FeatureOptions, Features};
 pub use regions::Regions;
 pub use repairs::{Repair, Repairs};
-pub(crate) use walk::{WALK_EDGES, next_corner, previous_corner, walk};
+pub(crate) use walk::{Footing, WALK_EDGES, next_corner, previous_corner, walk};
 
 use crate::geometry::{cross, dot, unit};
 use adjacency::Adjacency;

@@ -29,15 +29,16 @@
 //! With [`Quads::All`] some triangles may stay where every step would make a concave quad: 4 of the nine models keep 2 to 28.
 
 mod draft;
-mod far;
+mod polish;
 mod rows;
 mod settle;
 mod step;
+mod ways;
 
 use super::Mesh;
 use super::clean::Anchors;
 use super::edit::Editor;
-use crate::surface::{Surface, WALK_EDGES, walk};
+use crate::surface::{Footing, Surface, WALK_EDGES, walk};
 use draft::{Draft, Scene};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -48,6 +49,7 @@ use settle::{Settled, settle};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use step::Step;
+use ways::Added;
 
 /// Which triangles are to become quads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -89,6 +91,14 @@ pub struct PairCounts {
     pub rows_out: usize,
     /// Rows put in.
     pub rows_in: usize,
+    /// Rows put in along ways through quads, so that all faces could be quads.
+    pub ways_in: usize,
+    /// Ways through quads along which faces were taken out, for the same.
+    pub ways_out: usize,
+    /// Edges turned between two quads.
+    pub turned: usize,
+    /// Quads that went when two opposite corners became one.
+    pub merged: usize,
     /// Vertices added on open boundaries, so that all faces could be quads.
     pub on_boundaries: usize,
     /// Vertices added on other features, for the same.
@@ -115,7 +125,7 @@ pub struct Paired {
 pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u32>], options: &PairOptions) -> Paired {
     let mut work = Work::new(surface, mesh, anchors, below, options);
     let mut counts = PairCounts { triangles_before: work.triangles().len(), ..PairCounts::default() };
-    work.run(&mut counts);
+    work.run(Work::triangles, Work::best, &mut counts);
     if options.quads == Quads::All {
         work.options = PairOptions {
             triangle_price: DEAR,
@@ -123,9 +133,12 @@ pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u
             drafts: 10 * options.drafts,
             ..*options
         };
-        work.run(&mut counts);
-        [counts.on_boundaries, counts.on_features] = work.pair_all();
+        work.run(Work::triangles, Work::best, &mut counts);
+        let Added { ways_in, ways_out, met, on_boundaries, on_features } = work.pair_all();
+        counts = PairCounts { ways_in, ways_out, met: counts.met + met, on_boundaries, on_features, ..counts };
+        work.regularity = REGULARITY;
     }
+    work.run(Work::poor, Work::better, &mut counts);
     counts.triangles_after = work.triangles().len();
     let Work { scene, below, .. } = work;
     let (mesh, kept) = scene.editor.finish();
@@ -140,6 +153,8 @@ enum Kind {
     Met,
     RowOut,
     RowIn,
+    Turned,
+    Merged,
 }
 
 struct Work<'a> {
@@ -149,6 +164,10 @@ struct Work<'a> {
     options: PairOptions,
     /// Vertices that have come, less those that have gone.
     drift: i64,
+    /// What a squared difference of a valence from what it should be costs, in perfect quads.
+    regularity: f64,
+    /// Half-edges of the surface's boundary where other sheets meet it.
+    seams: FxHashSet<u32>,
 }
 
 /// Rounds at most; each leaves those for the next whose surroundings another has changed.
@@ -169,6 +188,8 @@ const DRIFT: i64 = 150;
 const LEAST_DRIFT: i64 = 8;
 /// The price of a triangle where all are to go.
 const DEAR: f64 = 3.0;
+/// What a squared difference of a valence costs, in perfect quads, where all are quads.
+const REGULARITY: f64 = 0.1;
 /// Drafts that gain less are not made.
 const LEAST_GAIN: f64 = 1e-3;
 
@@ -184,7 +205,8 @@ impl<'a> Work<'a> {
         for v in (0..).zip(&scene.fixed).filter(|(_, fixed)| **fixed).map(|(v, _)| v).collect::<Vec<u32>>() {
             scene.ideal[v as usize] = ideal_valence(&scene, v);
         }
-        Self { surface, scene, below: below.to_vec(), options: *options, drift: 0 }
+        let seams = FxHashSet::default();
+        Self { surface, scene, below: below.to_vec(), options: *options, drift: 0, regularity: 0.0, seams }
     }
 
     fn triangles(&self) -> Vec<u32> {
@@ -192,24 +214,29 @@ impl<'a> Work<'a> {
         (0..editor.face_count() as u32).filter(|face| editor.face(*face).len() == 3).collect()
     }
 
-    fn run(&mut self, counts: &mut PairCounts) {
-        let mut waiting = self.triangles();
+    /// Makes the best change about each of the faces that `which` names, in rounds, until none gains any more.
+    fn run(
+        &mut self,
+        which: impl Fn(&Self) -> Vec<u32>,
+        best: impl Fn(&Self, u32) -> Option<Found> + Sync,
+        counts: &mut PairCounts,
+    ) {
+        let mut waiting = which(self);
         let most_drift = (self.scene.editor.vertex_count() as i64 / DRIFT).max(LEAST_DRIFT);
         for _ in 0..ROUNDS {
-            let mut found: Vec<Found> = waiting.par_iter().filter_map(|t| self.best(*t)).collect();
+            let mut found: Vec<Found> = waiting.par_iter().filter_map(|face| best(self, *face)).collect();
             found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
             let mut changed: FxHashSet<u32> = FxHashSet::default();
             let known = self.scene.editor.face_count() as u32;
             let mut again = Vec::new();
-            for Found { triangle, kind, change, core, .. } in found {
+            for Found { face, kind, change, core, .. } in found {
                 if core.iter().any(|face| *face < known && changed.contains(face)) {
-                    again.push(triangle);
+                    again.push(face);
                     continue;
                 }
                 // Others may have moved what lies about it.
                 let draft = change.onto(&self.scene);
-                let settled = settle(&draft, self.options.triangle_price, self.options.least_shape);
-                let Some(settled) = settled.filter(|settled| settled.gain > LEAST_GAIN) else { continue };
+                let Some(settled) = self.settled(&draft).filter(|settled| settled.gain > LEAST_GAIN) else { continue };
                 let drift = self.drift + draft.growth();
                 if drift.abs() > self.drift.abs().max(most_drift) {
                     continue;
@@ -223,6 +250,8 @@ impl<'a> Work<'a> {
                     Kind::Met => counts.met += 1,
                     Kind::RowOut => counts.rows_out += 1,
                     Kind::RowIn => counts.rows_in += 1,
+                    Kind::Turned => counts.turned += 1,
+                    Kind::Merged => counts.merged += 1,
                 }
             }
             if changed.is_empty() {
@@ -230,20 +259,46 @@ impl<'a> Work<'a> {
             }
             again.sort_unstable();
             again.dedup();
-            waiting = self.triangles().into_iter().filter(|t| again.binary_search(t).is_ok()).collect();
+            waiting = which(self).into_iter().filter(|face| again.binary_search(face).is_ok()).collect();
         }
     }
 
     /// The best that can be done about a triangle, if anything gains.
     fn best(&self, triangle: u32) -> Option<Found> {
-        self.search(triangle)
+        self.best_of(triangle, self.search(triangle).into_iter().map(|End { kind, draft, .. }| (kind, draft)))
+    }
+
+    /// The draft about a face that gains most, if any does.
+    fn best_of<'d>(&'d self, face: u32, drafts: impl IntoIterator<Item = (Kind, Draft<'d>)>) -> Option<Found> {
+        drafts
             .into_iter()
-            .filter_map(|End { kind, draft, .. }| {
-                let Settled { gain, core, .. } = settle(&draft, self.options.triangle_price, self.options.least_shape)?;
-                Some(Found { triangle, kind, gain, core, change: Change::of(&draft) })
+            .filter_map(|(kind, draft)| {
+                let Settled { gain, core, .. } = self.settled(&draft)?;
+                Some(Found { face, kind, gain, core, change: Change::of(&draft) })
             })
             .filter(|found| found.gain > LEAST_GAIN)
             .reduce(|best, other| if other.gain > best.gain { other } else { best })
+    }
+
+    /// What a draft is worth, regularity counted.
+    fn settled(&self, draft: &Draft) -> Option<Settled> {
+        let settled = settle(draft, self.options.triangle_price, self.options.least_shape)?;
+        if self.regularity == 0.0 {
+            return Some(settled);
+        }
+        let before = Draft::new(&self.scene);
+        let known = |v: u32| v < before.first_copy() && before.around(v).next().is_some();
+        let irregularity = |draft: &Draft, v: u32| draft.irregularity(v, 0);
+        let relief: f64 = draft
+            .touched()
+            .into_iter()
+            .map(|v| {
+                let was = if known(v) { irregularity(&before, v) } else { 0.0 };
+                let is = if draft.around(v).next().is_some() { irregularity(draft, v) } else { 0.0 };
+                was - is
+            })
+            .sum();
+        Some(Settled { gain: settled.gain + self.regularity * relief, ..settled })
     }
 
     /// The cheapest drafts in which the triangle is no more, by uniform-cost search over its steps.
@@ -310,24 +365,28 @@ impl<'a> Work<'a> {
         for (face, corners) in &change.faces {
             self.scene.editor.set_face(*face, corners);
         }
-        let barrier = |h| self.surface.features().is_feature(h);
         for &(v, place) in places {
             let Some(triangle) = self.below[v as usize] else { continue };
-            let from = DVec3::from(self.scene.editor.point(v));
-            let normal = self.surface.normal(triangle as usize);
-            let way = (place - from).as_vec3();
-            let way = way - normal * normal.dot(way);
-            let foot = walk(self.surface, barrier, triangle, from.as_vec3(), way, WALK_EDGES);
+            let foot = self.foot(triangle, self.scene.editor.point(v).into(), place);
             self.below[v as usize] = Some(foot.triangle);
             self.scene.editor.place(v, foot.position.as_dvec3().into());
             self.scene.normals[v as usize] = self.surface.normal(foot.triangle as usize).as_dvec3();
         }
     }
+
+    /// Where the way over the surface, from a place above a triangle straight towards another one, ends.
+    fn foot(&self, triangle: u32, from: DVec3, to: DVec3) -> Footing {
+        let barrier = |h| self.surface.features().is_feature(h);
+        let normal = self.surface.normal(triangle as usize);
+        let way = (to - from).as_vec3();
+        let way = way - normal * normal.dot(way);
+        walk(self.surface, barrier, triangle, from.as_vec3(), way, WALK_EDGES)
+    }
 }
 
-/// The best draft for a triangle, by value: the mesh may change before it is made.
+/// The best draft about a face, by value: the mesh may change before it is made.
 struct Found {
-    triangle: u32,
+    face: u32,
     kind: Kind,
     gain: f64,
     /// The faces that must still be as they were.

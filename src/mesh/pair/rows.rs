@@ -88,7 +88,7 @@ fn less(draft: &Draft, vertex: u32) -> f64 {
 }
 
 /// Gives `to` the faces of `from` that `which` names; `None` where one has more than four sides.
-fn rename(draft: &mut Draft, from: u32, to: u32, which: impl Fn(u32) -> bool) -> Option<()> {
+pub(super) fn rename(draft: &mut Draft, from: u32, to: u32, which: impl Fn(u32) -> bool) -> Option<()> {
     let faces: Vec<u32> = draft.around(from).filter(|face| which(*face)).collect();
     for face in faces {
         let mut corners = draft.face(face).to_vec();
@@ -123,20 +123,6 @@ pub(super) fn put_in<'a>(draft: &Draft<'a>, triangle: u32, apex: u32, within: Wi
     Lines::from(draft, triangle, apex, within).rows
 }
 
-/// A row from a triangle to a feature, which gets a vertex more there; beyond it there is a triangle then.
-pub(super) struct Landing<'a> {
-    pub(super) draft: Draft<'a>,
-    /// The triangle beyond, unless the feature is a boundary.
-    pub(super) beyond: Option<u32>,
-    /// The vertex that the line came to, its copy, and the next vertex of the feature on the copy's side.
-    pub(super) split: [u32; 3],
-}
-
-/// All rows that can be put in from a triangle's corner `apex` to a feature.
-pub(super) fn land<'a>(draft: &Draft<'a>, triangle: u32, apex: u32, within: Within) -> Vec<Landing<'a>> {
-    Lines::from(draft, triangle, apex, within).landings
-}
-
 /// The search for lines, as straight as the vertices on them allow.
 struct Lines<'a, 'b> {
     draft: &'b Draft<'a>,
@@ -144,12 +130,11 @@ struct Lines<'a, 'b> {
     within: Within,
     line: Vec<Opening>,
     rows: Vec<(f64, Draft<'a>)>,
-    landings: Vec<Landing<'a>>,
 }
 
 impl<'a, 'b> Lines<'a, 'b> {
     fn from(draft: &'b Draft<'a>, triangle: u32, apex: u32, within: Within) -> Self {
-        let mut lines = Self { draft, triangle, within, line: Vec::new(), rows: Vec::new(), landings: Vec::new() };
+        let mut lines = Self { draft, triangle, within, line: Vec::new(), rows: Vec::new() };
         if !draft.is_fixed(apex)
             && let Some(fan) = draft.fan(apex, triangle)
         {
@@ -186,51 +171,11 @@ impl<'a, 'b> Lines<'a, 'b> {
         }
     }
 
-    /// Ends the line at a vertex of a feature that has two faces on either side, or on its only one.
-    fn land(&self, at: u32, from: u32) -> Option<Landing<'a>> {
-        let draft = self.draft;
-        let (right, left) = (draft.left(at, from)?, draft.left(from, at)?);
-        let ends = [draft.wings(right, at)[0], draft.wings(left, at)[1]];
-        let ways = ends.map(|end| (draft.point(end) - draft.point(at)).normalize_or_zero());
-        if draft.across(ends[0], at).is_some()
-            || draft.across(at, ends[1]).is_some()
-            || ways[0].dot(ways[1]) > -STRAIGHT
-        {
-            return None;
-        }
-        let far = [draft.left(at, ends[0]), draft.left(ends[1], at)];
-        let mut result = draft.clone();
-        let mut line: Vec<Opening> = self.line.iter().map(Opening::clone).collect();
-        line.push(Opening { vertex: at, right: vec![right].into_iter().chain(far[0]).collect(), left: vec![left] });
-        let pairs = open_from(&mut result, draft, self.triangle, &line)?;
-        let copy = pairs[pairs.len() - 1][1];
-        // Three even gaps where there were two.
-        for (v, end) in [(at, ends[1]), (copy, ends[0])] {
-            result.place(v, draft.point(at).lerp(draft.point(end), 1.0 / 3.0));
-        }
-        let beyond = match far {
-            [None, None] => None,
-            [Some(near_right), Some(near_left)] => {
-                let inner = draft.wings(near_right, at)[0];
-                if draft.wings(near_left, at)[1] != inner {
-                    return None;
-                }
-                Some(result.add_face(&[copy, inner, at]))
-            }
-            _ => return None,
-        };
-        Some(Landing { draft: result, beyond, split: [at, copy, ends[0]] })
-    }
-
     /// Goes on from the last vertex of the line, between its right and left faces.
     fn follow(&mut self, cost: f64) {
         let Opening { vertex: from, left, .. } = &self.line[self.line.len() - 1];
         let at = self.draft.wings(left[0], *from)[1];
-        if self.draft.is_fixed(at) {
-            self.landings.extend(self.land(at, *from));
-            return;
-        }
-        if self.line.iter().any(|opening| opening.vertex == at) {
+        if self.draft.is_fixed(at) || self.line.iter().any(|opening| opening.vertex == at) {
             return;
         }
         if let Some(fan) = self.draft.left(at, *from).and_then(|first| self.draft.fan(at, first)) {
@@ -239,12 +184,9 @@ impl<'a, 'b> Lines<'a, 'b> {
     }
 }
 
-/// A feature that turns by more than this, as a cosine, at the end of a line has a corner there.
-const STRAIGHT: f64 = 0.7;
-
-/// Opens a line that begins at a triangle: a quad for each of its edges, and one for the triangle. The pairs that its
-/// vertices have become, the left ones first.
-fn open_from(result: &mut Draft, draft: &Draft, start: u32, line: &[Opening]) -> Option<Vec<[u32; 2]>> {
+/// Opens a line between two triangles: a quad for each of its edges, and one for each triangle.
+fn open<'a>(draft: &Draft<'a>, start: u32, end: u32, line: &[Opening]) -> Option<Draft<'a>> {
+    let mut result = draft.clone();
     let mut pairs = Vec::new();
     for Opening { vertex, right, left } in line {
         let copy = result.copy(*vertex);
@@ -254,7 +196,7 @@ fn open_from(result: &mut Draft, draft: &Draft, start: u32, line: &[Opening]) ->
             let middle = corners.clone().map(|v| draft.point(*v)).sum::<DVec3>() / corners.count().max(1) as f64;
             (here + middle) / 2.0
         };
-        rename(result, *vertex, copy, |face| right.contains(&face))?;
+        rename(&mut result, *vertex, copy, |face| right.contains(&face))?;
         result.place(*vertex, towards(left));
         result.place(copy, towards(right));
         pairs.push([*vertex, copy]);
@@ -266,13 +208,6 @@ fn open_from(result: &mut Draft, draft: &Draft, start: u32, line: &[Opening]) ->
     let [first, first_right] = pairs[0];
     let [y, x] = draft.wings(start, first);
     result.set_face(start, &[first_right, first, x, y]);
-    Some(pairs)
-}
-
-/// Opens a line between two triangles.
-fn open<'a>(draft: &Draft<'a>, start: u32, end: u32, line: &[Opening]) -> Option<Draft<'a>> {
-    let mut result = draft.clone();
-    let pairs = open_from(&mut result, draft, start, line)?;
     let [last, last_right] = pairs[pairs.len() - 1];
     let [q, p] = draft.wings(end, last);
     result.set_face(end, &[last, last_right, p, q]);

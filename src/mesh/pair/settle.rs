@@ -61,7 +61,7 @@ pub(super) fn settle(draft: &Draft, price: f64, least: f64) -> Option<Settled> {
 }
 
 /// The shape of a quad; of triangles those alone count that have hardly any.
-fn quality(points: &[DVec3]) -> f64 {
+pub(super) fn quality(points: &[DVec3]) -> f64 {
     match *points {
         [a, b, c, d] => quad_shape([a, b, c, d].map(DVec3::into)),
         [a, b, c] if triangle_shape([a, b, c].map(DVec3::into)) < THIN => THIN / 10.0,

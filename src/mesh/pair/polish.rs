@@ -1,0 +1,80 @@
+//! Quads about irregular vertices or of a bad shape are cut anew, or go.
+//!
+//! # Theory
+//! Two operations keep all quads quads: an edge between two turns to one of the two other diagonals of their hexagon, and a
+//! quad goes when two opposite corners become one. A vertex of valence 3 beside one of valence 5 vanishes by the first, two of
+//! valence 3 opposite each other in a quad, or one of valence 2, by the second.
+
+use super::draft::Draft;
+use super::rows::rename;
+use super::settle::quality;
+use super::{Found, Kind, Work};
+use glam::DVec3;
+
+/// Irregular vertices of a quad that is worth a look.
+const IRREGULAR: usize = 2;
+
+impl Work<'_> {
+    /// The quads that are worth a look.
+    pub(super) fn poor(&self) -> Vec<u32> {
+        let draft = Draft::new(&self.scene);
+        (0..self.scene.editor.face_count() as u32)
+            .filter(|&face| {
+                let corners = draft.face(face);
+                let points: Vec<DVec3> = corners.iter().map(|v| draft.point(*v)).collect();
+                let irregular = || corners.iter().filter(|&&v| draft.irregularity(v, 0) > 0.0).count();
+                corners.len() == 4
+                    && (quality(&points) < self.options.least_shape
+                        || (self.regularity > 0.0 && irregular() >= IRREGULAR))
+            })
+            .collect()
+    }
+
+    /// The best that can be done about a quad, if anything gains.
+    pub(super) fn better(&self, face: u32) -> Option<Found> {
+        let draft = Draft::new(&self.scene);
+        if draft.face(face).len() != 4 {
+            return None;
+        }
+        let turned = (0..4).flat_map(|side| turned(&draft, face, side)).map(|draft| (Kind::Turned, draft));
+        let merged = (0..2).filter_map(|k| merged(&draft, face, k)).map(|draft| (Kind::Merged, draft));
+        self.best_of(face, turned.chain(merged).filter(|(_, draft)| draft.is_sound()))
+    }
+}
+
+/// The drafts in which the edge between a quad and that beyond one of its sides is another diagonal of their hexagon.
+fn turned<'a>(draft: &Draft<'a>, face: u32, side: usize) -> Vec<Draft<'a>> {
+    let corners = draft.face(face);
+    let [x, y, p, q] = [0, 1, 2, 3].map(|k| corners[(side + k) % 4]);
+    let Some(other) = draft.across(x, y).filter(|&other| draft.face(other).len() == 4) else { return Vec::new() };
+    let beyond = draft.face(other);
+    let at = beyond.iter().position(|&v| v == x).unwrap_or(0);
+    let [r, s] = [1, 2].map(|k| beyond[(at + k) % 4]);
+    [[[p, q, x, r], [r, s, y, p]], [[q, x, r, s], [s, y, p, q]]]
+        .into_iter()
+        .map(|[first, second]| {
+            let mut result = draft.clone();
+            result.set_face(face, &first);
+            result.set_face(other, &second);
+            result
+        })
+        .collect()
+}
+
+/// The draft in which two opposite corners of a quad are one.
+fn merged<'a>(draft: &Draft<'a>, face: u32, corner: usize) -> Option<Draft<'a>> {
+    let corners = draft.face(face);
+    let [a, b] = [corners[corner], corners[corner + 2]];
+    let (stays, goes) = match (draft.is_fixed(a), draft.is_fixed(b)) {
+        (true, true) => return None,
+        (false, true) => (b, a),
+        _ => (a, b),
+    };
+    let mut result = draft.clone();
+    result.set_face(face, &[]);
+    if !draft.is_fixed(stays) {
+        result.place(stays, (draft.point(a) + draft.point(b)) / 2.0);
+    }
+    rename(&mut result, goes, stays, |_| true)?;
+    Some(result)
+}
