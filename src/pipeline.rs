@@ -15,6 +15,7 @@ use crate::mesh::pair::{PairCounts, PairOptions, Paired, pair};
 use crate::mesh::regions::with_regions;
 use crate::mesh::smooth::{Smoothed, smooth};
 use crate::mesh::triangulate::triangulate;
+use crate::mesh::unfold::unfold;
 use crate::mesh::{Mesh, Triangulation};
 use crate::mosaic::fitting::fitting;
 use crate::mosaic::{self, Effort, Layer, Mosaic, Rows};
@@ -267,7 +268,8 @@ fn meshed(
     };
 
     clock.begin(Stage::Smooth);
-    let Smoothed { mesh: smoothed, below } = smooth(surface, &quads, &below, options.smoothing);
+    let smoothed = smooth(surface, &quads, &below, options.smoothing);
+    let Smoothed { mesh: smoothed, below } = if options.smoothing > 0 { unfold(surface, &smoothed) } else { smoothed };
     let before = join(&filled, &triangulation.same_place).mesh;
     let named = with_regions(&smoothed, surface, mosaic, &below, &kept);
     let Joined { mesh, branches } = join(&named, &triangulation.joints(&kept));

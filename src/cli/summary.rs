@@ -153,7 +153,13 @@ fn pairing(counts: PairCounts) -> String {
         .filter(|(count, _)| *count > 0)
         .map(|(count, place)| format!(", {} added on {place}", counted(count, "vertex")))
         .collect();
-    format!("triangles {triangles_before} -> {triangles_after}: {met} met, {rows_out} rows out, {rows_in} in{added}")
+    let ways = match [counts.ways_out, counts.ways_in] {
+        [0, 0] => String::new(),
+        [out, put_in] => format!(", {out} ways out, {put_in} in"),
+    };
+    format!(
+        "triangles {triangles_before} -> {triangles_after}: {met} met, {rows_out} rows out, {rows_in} in{ways}{added}"
+    )
 }
 
 fn spread(measure: Option<Spread>) -> String {

@@ -14,6 +14,7 @@ mod read;
 pub mod regions;
 pub mod smooth;
 pub mod triangulate;
+pub mod unfold;
 
 pub use read::{read_mesh, read_mesh_as};
 pub use triangulate::Triangulation;

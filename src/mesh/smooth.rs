@@ -134,13 +134,13 @@ fn colours(mesh: &Mesh, incidence: &Incidence, below: &[Option<u32>]) -> Vec<Vec
 }
 
 /// The faces at each vertex.
-struct Incidence {
+pub(super) struct Incidence {
     starts: Vec<u32>,
     faces: Vec<u32>,
 }
 
 impl Incidence {
-    fn new(mesh: &Mesh) -> Self {
+    pub(super) fn new(mesh: &Mesh) -> Self {
         let mut starts = vec![0; mesh.points.len() + 1];
         mesh.faces().flatten().for_each(|&v| starts[v as usize + 1] += 1);
         for v in 1..starts.len() {
@@ -157,7 +157,7 @@ impl Incidence {
         Self { starts, faces }
     }
 
-    fn faces_at(&self, v: usize) -> &[u32] {
+    pub(super) fn faces_at(&self, v: usize) -> &[u32] {
         &self.faces[self.starts[v] as usize..self.starts[v + 1] as usize]
     }
 }

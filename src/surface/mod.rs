@@ -318,6 +318,13 @@ impl Surface {
         self.same_place[vertex as usize]
     }
 
+    /// Whether each vertex shares its place with others, where sheets meet or fans touch.
+    pub(crate) fn shared_places(&self) -> Vec<bool> {
+        let mut count = vec![0; self.points.len()];
+        self.same_place.iter().for_each(|&first| count[first as usize] += 1);
+        self.same_place.iter().map(|&first| count[first as usize] > 1).collect()
+    }
+
     pub(crate) fn origin(&self, half_edge: u32) -> u32 {
         self.triangles[half_edge as usize / 3][half_edge as usize % 3]
     }

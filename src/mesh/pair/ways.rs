@@ -31,10 +31,12 @@ use std::collections::{BTreeSet, BinaryHeap};
 
 /// What it costs to turn within a face, in faces.
 const TURN: u32 = 4;
+/// What it costs to cross an edge between vertices that cannot make room: the quads beside it stay half as wide.
+const PINNED: u32 = 3;
 /// What it costs to leave or reach a triangle over a feature, which takes a ring about its corner.
 const FLAT: u32 = 20;
 /// The least shape of a quad where faces along a way are taken out.
-const OUT_LEAST: f64 = 0.3;
+const OUT_LEAST: f64 = 0.15;
 /// What it costs to leave over an open boundary: no triangle does while there is another to meet.
 const LEAVING: u32 = 1_000_000;
 /// Outside the mesh.
@@ -82,7 +84,7 @@ impl Work<'_> {
                             self.go(&way, &mut added);
                         }
                     }
-                    _ => self.put_in(&way, &mut added),
+                    _ => self.go(&way, &mut added),
                 }
             } else if let Some(way) = self.way(triangle, true) {
                 heap.push(Reverse((way.cost, triangle, ways.len())));
@@ -159,7 +161,8 @@ impl Work<'_> {
                 let flat = if is_feature { ends * FLAT } else { 0 };
                 let turn = if face != triangle && side.iter().any(|v| entry.contains(v)) { TURN } else { 0 };
                 let leaving = if next.is_none() { LEAVING } else { 0 };
-                heap.push(Reverse((cost + 1 + flat + turn + leaving, next.unwrap_or(OUTSIDE), face, side)));
+                let pinned = if side.iter().all(|&v| draft.is_fixed(v)) { PINNED } else { 0 };
+                heap.push(Reverse((cost + 1 + flat + turn + pinned + leaving, next.unwrap_or(OUTSIDE), face, side)));
             }
         }
         None
@@ -242,7 +245,8 @@ impl Work<'_> {
         marked
     }
 
-    /// The quads that a face is split into, given the new vertices on its sides.
+    /// What a face is split into, given the new vertices on its sides: quads, but for a triangle with two, which is one
+    /// still in its first part.
     fn parts(&mut self, face: u32, corners: &[u32], on_sides: &[Option<u32>]) -> Vec<Vec<u32>> {
         let count = corners.len();
         let corner = |k: usize| corners[k % count];
@@ -253,7 +257,13 @@ impl Work<'_> {
                 let halved = (0..count).flat_map(|k| [Some(corner(k)), middle(k)]).flatten();
                 vec![halved.collect()]
             }
-            2 if count == 4 => match (0..4).find_map(|k| Some((k, met(k)?))) {
+            2 if count == 3 => {
+                let cut = (0..3).find_map(|k| Some((k, met(k)?)));
+                cut.map_or(Vec::new(), |(k, [before, after])| {
+                    vec![vec![corner(k), after, before], vec![after, corner(k + 1), corner(k + 2), before]]
+                })
+            }
+            2 => match (0..4).find_map(|k| Some((k, met(k)?))) {
                 Some((k, [before, after])) => {
                     let centre = self.middle(face);
                     vec![
@@ -390,10 +400,9 @@ fn taken_out<'a>(draft: &Draft<'a>, way: &Way) -> Option<Draft<'a>> {
 
 /// The half-edges of the surface's boundary where other sheets meet it.
 fn seams(surface: &Surface) -> FxHashSet<u32> {
-    let mut sheets: FxHashMap<u32, u32> = FxHashMap::default();
-    (0..surface.vertex_count() as u32).for_each(|v| *sheets.entry(surface.same_place(v)).or_default() += 1);
+    let shared = surface.shared_places();
     (0..3 * surface.triangle_count() as u32)
         .filter(|&h| surface.twin(h).is_none())
-        .filter(|&h| [surface.origin(h), surface.target(h)].iter().all(|&v| sheets[&surface.same_place(v)] > 1))
+        .filter(|&h| [surface.origin(h), surface.target(h)].iter().all(|&v| shared[v as usize]))
         .collect()
 }
