@@ -52,6 +52,27 @@ impl Grid {
         self
     }
 
+    /// Turns the edge above (`i`, `j`) to a diagonal of the two squares beside it.
+    fn turned(mut self, i: u32, j: u32) -> Self {
+        self.faces.retain(|face| ![at(i - 1, j), at(i, j)].contains(&face[0]));
+        let [a, b, c] = [i - 1, i, i + 1].map(|i| at(i, j));
+        let [d, e, f] = [i - 1, i, i + 1].map(|i| at(i, j + 1));
+        self.faces.extend([vec![a, b, c, f], vec![a, f, e, d]]);
+        self
+    }
+
+    /// Makes two of the vertex (`i`, `j`), with a square between them.
+    fn doubled(mut self, i: u32, j: u32) -> Self {
+        let copy = self.points.len() as u32;
+        self.points[at(i, j) as usize][0] -= 0.3;
+        self.points.push([f64::from(i) + 0.3, f64::from(j)]);
+        for face in self.faces.iter_mut().filter(|face| face.contains(&at(i + 1, j))) {
+            face.iter_mut().filter(|v| **v == at(i, j)).for_each(|v| *v = copy);
+        }
+        self.faces.push(vec![at(i, j - 1), copy, at(i, j + 1), at(i, j)]);
+        self
+    }
+
     /// Opens the line from (`from`, `j`) to (`to`, `j`) by a row that begins and ends with a triangle.
     fn with_row(mut self, from: u32, to: u32, j: u32) -> Self {
         let mut above = vec![at(from, j)];
@@ -224,6 +245,102 @@ fn an_odd_boundary_gets_one_more_vertex_where_all_are_to_be_quads() {
     assert!(after.faces().all(|face| face.len() == 4));
     let rim = |mesh: &Mesh| mesh.edges().iter().filter(|edge| edge.is_boundary()).count();
     assert_eq!(rim(&after), rim(&before) + 1);
+}
+
+fn all() -> PairOptions {
+    PairOptions { quads: Quads::All, ..PairOptions::default() }
+}
+
+/// Far triangles are left to ways.
+fn only_ways() -> PairOptions {
+    PairOptions { drafts: 1, longest_row: 0, ..all() }
+}
+
+#[track_caller]
+fn assert_all_quads(after: &Mesh) {
+    assert!(check(after).is_clean(), "{}", check(after));
+    assert_eq!((check(after).euler, check(after).boundary_loops), (1, 1));
+    assert!(after.faces().all(|face| face.len() == 4));
+}
+
+#[test]
+fn ways_cross_features_which_get_a_vertex() {
+    // A line that leans where the row of the two triangles does.
+    let below = (0..5).map(|j| [at(6, j), at(6, j + 1)]);
+    let above = (6..SIDE).map(|j| [at(7, j), at(7, j + 1)]);
+    let line: Vec<[u32; 2]> = below.chain([[at(6, 5), at(7, 6)]]).chain(above).collect();
+    let grid = Grid::new().leaning(3, 10, 5).with_features(&line);
+    assert_refused(&grid, &PairOptions::default());
+    let (before, after, counts) = grid.paired(&only_ways());
+    assert_eq!((counts.triangles_after, counts.ways_in, counts.on_features), (0, 1, 1), "{counts:?}");
+    assert_all_quads(&after);
+    // The line is a chain of edges still, of one more; its old vertices have stayed.
+    let now = |v: &u32| (0..).zip(&after.points).find(|(_, p)| **p == before.points[*v as usize]).map(|(v, _)| v);
+    let line: Vec<[u32; 2]> = line.iter().map(|edge| [0, 1].map(|k| now(&edge[k]).expect("it stays"))).collect();
+    let joined = |a: u32, b: u32| after.edges().iter().any(|edge| edge.ends == [a.min(b), a.max(b)]);
+    let missing: Vec<[u32; 2]> = line.iter().copied().filter(|&[a, b]| !joined(a, b)).collect();
+    assert_eq!(missing.len(), 1);
+    assert!((0..after.points.len() as u32).any(|v| missing[0].iter().all(|&end| joined(v, end))));
+}
+
+#[test]
+fn a_triangle_among_features_is_split_on_all_sides() {
+    // Two triangles that only features surround, far from each other.
+    let mut grid = Grid::new();
+    for [i, j] in [[3, 3], [8, 8]] {
+        grid.faces.retain(|face| face[0] != at(i, j));
+        grid.faces
+            .extend([vec![at(i, j), at(i + 1, j), at(i + 1, j + 1)], vec![at(i, j), at(i + 1, j + 1), at(i, j + 1)]]);
+        grid = grid.with_features(&[
+            [at(i, j), at(i + 1, j)],
+            [at(i + 1, j), at(i + 1, j + 1)],
+            [at(i, j), at(i + 1, j + 1)],
+            [at(i, j), at(i, j + 1)],
+            [at(i, j + 1), at(i + 1, j + 1)],
+        ]);
+    }
+    let (_, after, counts) = grid.paired(&PairOptions::default());
+    assert_eq!(counts.triangles_after, 4, "features keep them apart");
+    assert!(after.faces().any(|face| face.len() == 3));
+    let (_, after, counts) = grid.paired(&all());
+    assert_eq!((counts.triangles_after, counts.on_boundaries), (0, 0), "{counts:?}");
+    assert!(counts.on_features >= 6, "three a triangle: {counts:?}");
+    assert_all_quads(&after);
+}
+
+#[test]
+fn after_a_row_that_came_another_goes() {
+    let grid = Grid::new().leaning(1, 11, 2).leaning(1, 11, 9);
+    let (_, after, counts) = grid.paired(&only_ways());
+    assert_eq!((counts.triangles_after, counts.ways_in, counts.ways_out), (0, 1, 1), "{counts:?}");
+    assert_all_quads(&after);
+    let alone = Grid::new().leaning(1, 11, 2).paired(&only_ways());
+    assert_eq!((alone.2.ways_in, alone.2.ways_out), (1, 0), "nothing is too many yet: {:?}", alone.2);
+}
+
+#[test]
+fn an_edge_turns_where_that_leaves_fewer_irregular_vertices() {
+    let grid = Grid::new().turned(5, 5);
+    let (before, after, counts) = grid.paired(&all());
+    assert_eq!((Quality::of(&before).irregular_vertices, counts.turned, counts.merged), (4, 1, 0), "{counts:?}");
+    assert_eq!(Quality::of(&after).irregular_vertices, 0);
+    assert_all_quads(&after);
+    let (_, after, counts) = grid.with_features(&[[at(4, 5), at(6, 6)]]).paired(&all());
+    assert_eq!(counts.turned, 0, "a feature stays");
+    assert!(Quality::of(&after).irregular_vertices > 0);
+}
+
+#[test]
+fn a_quad_between_two_vertices_of_valence_three_goes() {
+    let grid = Grid::new().doubled(5, 5);
+    let (before, after, counts) = grid.paired(&all());
+    assert_eq!((Quality::of(&before).irregular_vertices, counts.turned, counts.merged), (4, 0, 1), "{counts:?}");
+    assert_eq!(Quality::of(&after).irregular_vertices, 0);
+    assert_eq!(after.points.len() + 1, before.points.len());
+    assert_all_quads(&after);
+    let copy = before.points.len() as u32 - 1;
+    let (_, after, counts) = grid.with_features(&[[at(4, 5), at(5, 5)], [at(6, 5), copy]]).paired(&all());
+    assert_eq!((counts.merged, after.points.len()), (0, before.points.len()), "both are on features");
 }
 
 #[test]

@@ -5,8 +5,9 @@ mod common;
 use common::surfaces::{EXAMPLES, distance, example, unit_corners};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
-use quadmosaic::mesh::check::check;
+use quadmosaic::mesh::check::{Faults, check};
 use quadmosaic::mesh::fill::Holes;
+use quadmosaic::mesh::pair::{PairOptions, Quads};
 use quadmosaic::mesh::quality::Quality;
 use quadmosaic::pipeline::{Fineness, Options, Outcome, PipelineError, Stage, run};
 use quadmosaic::surface::{Soup, SurfaceError, load};
@@ -302,4 +303,35 @@ fn triangles_may_be_far_larger_than_tiles() {
     let mut open = cube();
     open.triangles.pop();
     assert_eq!(check(&meshed(&open, &Options::new(Fineness::Points(500))).mesh).boundary_loops, 1);
+}
+
+/// Two spheres beside each other.
+fn two_spheres() -> Soup {
+    let one = example("sphere", TRIANGLES);
+    let count = one.points.len() as u32;
+    let shifted = one.points.iter().map(|&[x, y, z]| [x + 5.0, y, z]);
+    let triangles = one.triangles.iter().map(|triangle| triangle.map(|v| v + count));
+    Soup {
+        points: one.points.iter().copied().chain(shifted).collect(),
+        triangles: one.triangles.iter().copied().chain(triangles).collect(),
+        ..Soup::default()
+    }
+}
+
+#[test]
+fn all_quads_are_all_quads_and_clean() {
+    let pairing = Some(PairOptions { quads: Quads::All, ..PairOptions::default() });
+    let two = two_spheres();
+    let surfaces =
+        EXAMPLES.map(|(name, ..)| (name, example(name, TRIANGLES))).into_iter().chain([("two spheres", two)]);
+    for (name, soup) in surfaces {
+        let outcome = meshed(&soup, &Options { pairing, ..options() });
+        assert_eq!(Quality::of(&outcome.mesh).qr, 1.0, "{name}: {:?}", outcome.paired);
+        let [before, after] = [check(&outcome.before), check(&outcome.mesh)];
+        assert!(after.is_clean(), "{name}: {after}");
+        let topology = |faults: &Faults| (faults.euler, faults.boundary_loops, faults.components);
+        assert_eq!(topology(&before), topology(&after), "{name}");
+        let most = meshed(&soup, &options());
+        assert!(Quality::of(&most.mesh).qr < 1.0, "{name}: it takes asking for all");
+    }
 }

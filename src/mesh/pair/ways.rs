@@ -35,6 +35,8 @@ const TURN: u32 = 4;
 const PINNED: u32 = 3;
 /// What it costs to leave or reach a triangle over a feature, which takes a ring about its corner.
 const FLAT: u32 = 20;
+/// Rings at most that are put about corners for one way.
+const RINGS: usize = 4;
 /// The least shape of a quad where faces along a way are taken out.
 const OUT_LEAST: f64 = 0.15;
 /// What it costs to leave over an open boundary: no triangle does while there is another to meet.
@@ -217,32 +219,38 @@ impl Work<'_> {
     /// feature would be a quad with a straight corner there; it is split on all sides, by a ring about its other corner.
     fn marked(&self, way: &Way) -> BTreeSet<[u32; 2]> {
         let draft = Draft::new(&self.scene);
-        let mut marked = BTreeSet::new();
-        let mut toggle = |a: u32, b: u32| {
-            let edge = [a.min(b), a.max(b)];
-            if !marked.remove(&edge) {
-                marked.insert(edge);
-            }
-        };
-        way.passages.iter().for_each(|&([a, b], _)| toggle(a, b));
-        let last = way.passages[way.passages.len() - 1];
-        for (triangle, [a, b]) in [(way.triangle, way.passages[0].0), (last.1, last.0)] {
-            if triangle == OUTSIDE || draft.across(a, b).is_some() {
-                continue;
-            }
-            let Some(&corner) = draft.face(triangle).iter().find(|v| ![a, b].contains(v)) else { continue };
-            let mut spokes: Vec<u32> = draft.around(corner).flat_map(|face| draft.wings(face, corner)).collect();
-            spokes.sort_unstable();
-            spokes.dedup();
+        let sorted = |a: u32, b: u32| [a.min(b), a.max(b)];
+        let mut marked: BTreeSet<[u32; 2]> = way.passages.iter().map(|&([a, b], _)| sorted(a, b)).collect();
+        // A ring may take away what another one has brought.
+        for _ in 0..RINGS {
+            let Some(corner) = self.straight(&marked) else { break };
+            let spokes: BTreeSet<u32> = draft.around(corner).flat_map(|face| draft.wings(face, corner)).collect();
             let may_split = |&w: &u32| {
                 let closed = draft.left(corner, w).is_some() && draft.left(w, corner).is_some();
                 closed || self.may_leave([corner, w])
             };
-            if draft.around(corner).all(|face| draft.face(face).len() <= 4) && spokes.iter().all(may_split) {
-                spokes.into_iter().for_each(|w| toggle(corner, w));
+            if !draft.around(corner).all(|face| draft.face(face).len() <= 4) || !spokes.iter().all(may_split) {
+                break;
             }
+            let ring: BTreeSet<[u32; 2]> = spokes.into_iter().map(|w| sorted(corner, w)).collect();
+            marked = marked.symmetric_difference(&ring).copied().collect();
         }
         marked
+    }
+
+    /// The corner opposite a side that lies on a feature and is the only one of a triangle to be split.
+    fn straight(&self, marked: &BTreeSet<[u32; 2]>) -> Option<u32> {
+        let draft = Draft::new(&self.scene);
+        marked.iter().filter(|&&[a, b]| draft.across(a, b).is_none() || draft.across(b, a).is_none()).find_map(
+            |&[a, b]| {
+                let faces = [draft.left(a, b), draft.left(b, a)].into_iter().flatten();
+                faces.filter(|&face| draft.face(face).len() == 3).find_map(|face| {
+                    let corner = draft.face(face).iter().copied().find(|v| ![a, b].contains(v))?;
+                    let alone = [a, b].iter().all(|&v| !marked.contains(&[v.min(corner), v.max(corner)]));
+                    alone.then_some(corner)
+                })
+            },
+        )
     }
 
     /// What a face is split into, given the new vertices on its sides: quads, but for a triangle with two, which is one
@@ -305,7 +313,9 @@ impl Work<'_> {
             return self.add_free(middle, &near);
         }
         let normal = (scene.normals[a as usize] + scene.normals[b as usize]).normalize_or_zero();
-        let place = self.on_feature(middle);
+        let reach = middle.distance(DVec3::from(scene.editor.point(a)));
+        let near = |place: &DVec3| place.distance(middle) < reach;
+        let place = self.nearest_feature(middle).map(|(_, place)| place).filter(near).unwrap_or(middle);
         let vertex = self.add(place, normal, None, if is_boundary { 2 } else { 4 });
         self.scene.features.remove(&[a.min(b), a.max(b)]);
         self.scene.features.extend([[a, vertex], [b, vertex]]);
@@ -353,10 +363,6 @@ impl Work<'_> {
                 (h, nearest_on_segment(point, a, b))
             })
             .min_by(|p, q| p.1.distance_squared(point).total_cmp(&q.1.distance_squared(point)))
-    }
-
-    fn on_feature(&self, point: DVec3) -> DVec3 {
-        self.nearest_feature(point).map_or(point, |(_, place)| place)
     }
 
     /// Whether a boundary edge can get a vertex: not where other sheets meet there, which would need it as well.
