@@ -217,7 +217,7 @@ const PROMISE_ERROR: f64 = 0.005;
 /// Coarse mosaics that are tried.
 const TRIES: usize = 5;
 /// The longest edge that the periodic solve sees rows across, in tile sides.
-const LONGEST_EDGE: f64 = 0.7;
+const LONGEST_EDGE: f64 = 0.9;
 
 impl Layer<'_> {
     /// A mosaic of nearly `count` tiles.
