@@ -1,6 +1,6 @@
 //! Figures for a person: a name and what there is to say, a line each.
 
-use quadmosaic::mesh::compare::{Comparison, Farthest, FeatureDistance};
+use quadmosaic::mesh::compare::{Comparison, Difference, Farthest, FeatureDistance};
 use quadmosaic::mesh::pair::PairCounts;
 use quadmosaic::mesh::quality::{Quality, Spread};
 use quadmosaic::report::{Against, Asked, CheckReport, FieldFigures, FieldReport, Input, MosaicReport, Report};
@@ -69,7 +69,10 @@ pub fn of_check(report: &CheckReport) -> String {
             ("repairs", repairs(&input.repairs)),
             ("features", features(input)),
         ]);
-        entries.extend(comparison.as_ref().map(compared).unwrap_or_default());
+        match comparison {
+            Some(comparison) => entries.extend(compared(comparison)),
+            None => entries.push(("Hausdorff", "none: the mesh has no extent".to_owned())),
+        }
     }
     lines(&entries)
 }
@@ -106,9 +109,13 @@ fn compared(comparison: &Comparison) -> Vec<(&'static str, String)> {
 
 /// What is wrong with a mesh, in a sentence.
 pub fn faults_of(report: &CheckReport) -> Option<String> {
+    let differences = report.differences();
+    if let Some(size @ Difference::Size { .. }) = differences.first() {
+        // All else follows from it.
+        return Some(size.to_string());
+    }
     let faults = Some(report.faults.list.len()).filter(|count| *count > 0).map(|count| counted(count, "fault"));
-    let differences = report.differences().iter().map(ToString::to_string);
-    let said: Vec<String> = faults.into_iter().chain(differences).collect();
+    let said: Vec<String> = faults.into_iter().chain(differences.iter().map(ToString::to_string)).collect();
     (!said.is_empty()).then(|| said.join("; "))
 }
 

@@ -30,7 +30,7 @@ pub enum Kind {
     RepeatedVertex { face: u32, vertex: u32 },
     /// The face has the vertices of an earlier face.
     DuplicateFace { face: u32, earlier: u32 },
-    /// The face has fewer than three sides, or its area is below 1e-6 of the squared mean edge length.
+    /// The face has fewer than three sides, or its area is no more than 1e-6 of the squared mean edge length.
     DegenerateFace { face: u32, area: f64 },
     /// A corner of the quad is straight or reflex against the quad's normal.
     ConcaveQuad { face: u32 },
@@ -231,7 +231,7 @@ fn face_faults(mesh: &Mesh, least_area: f64) -> Vec<Fault> {
         let point = |k: usize| mesh.place(face[k]);
         let area: f64 =
             (2..face.len()).map(|k| (point(k - 1) - point(0)).cross(point(k) - point(0)).length() / 2.0).sum();
-        if face.len() < 3 || area < least_area {
+        if face.len() < 3 || area <= least_area {
             report(Kind::DegenerateFace { face: id, area }, id);
         } else if let [a, b, c, d] = *face
             && quad_shape([a, b, c, d].map(|vertex| mesh.points[vertex as usize])) == 0.0

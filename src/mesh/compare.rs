@@ -99,8 +99,8 @@ impl fmt::Display for Difference {
         match *self {
             Self::Size { ratio } => {
                 let (ratio, than) = if ratio > 1.0 { (ratio, "larger") } else { (1.0 / ratio, "smaller") };
-                // Three significant digits are enough to know a unit by.
-                let ratio: f64 = format!("{ratio:.2e}").parse().unwrap_or(ratio);
+                // Two significant digits are enough to know a unit by.
+                let ratio: f64 = format!("{ratio:.1e}").parse().unwrap_or(ratio);
                 write!(f, "the mesh is {ratio} times {than} than the surface; are the units the same?")
             }
             Self::Euler { mesh, surface } => write!(f, "the Euler characteristic is {mesh}, the surface's {surface}"),
