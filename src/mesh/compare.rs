@@ -139,7 +139,7 @@ impl fmt::Display for Difference {
 pub fn check_against(mesh: &Mesh, surface: &Surface) -> (Faults, Option<Comparison>) {
     let frame = surface.frame();
     let Some(comparand) = Comparand::new(mesh, frame) else { return (check(mesh), None) };
-    let ground = Ground::new(surface);
+    let (ground, faces) = rayon::join(|| Ground::new(surface), || fan(&comparand.mesh));
 
     let mut faults = check_joined(mesh, &comparand.branches(&ground));
     let from_vertices = comparand.vertices(&ground);
@@ -152,7 +152,21 @@ pub fn check_against(mesh: &Mesh, surface: &Surface) -> (Faults, Option<Comparis
     let strays = comparand.used.iter().zip(&from_vertices.distances).filter(|(_, distance)| **distance > OFF_SURFACE);
     faults.list.extend(strays.map(|(&vertex, &distance)| fault(Kind::StrayVertex { vertex, distance }, &[vertex])));
     sort(&mut faults.list);
-    let comparison = comparand.compare(&ground, from_vertices.farthest(frame), from_faces.farthest(frame), surface);
+
+    let [vertices_to_surface, from_faces] = [from_vertices, from_faces].map(|from| from.farthest(frame));
+    let to_surface = vertices_to_surface.or(comparand.edges(&ground).farthest(frame)).or(from_faces);
+    let to_mesh = comparand.distances(ground.points(), |point| faces.distance(point)).farthest(frame);
+    let hausdorff = to_surface.distance.max(to_mesh.distance);
+    let comparison = Comparison {
+        topology: ground.topology,
+        differences: comparand.differences(&ground),
+        vertices_to_surface,
+        to_surface,
+        to_mesh,
+        hausdorff,
+        hausdorff_over_diagonal: hausdorff * comparand.mean_edge,
+        features: comparand.features(surface),
+    };
     (faults, Some(comparison))
 }
 
@@ -205,8 +219,10 @@ impl Ground {
         }
     }
 
-    fn middles(&self) -> impl Iterator<Item = DVec3> {
-        self.mesh.faces().map(|face| self.mesh.middle(face))
+    /// Its vertices and the middles of its triangles.
+    fn points(&self) -> Vec<DVec3> {
+        let middles = self.mesh.faces().map(|face| self.mesh.middle(face));
+        self.mesh.points.iter().map(|&point| DVec3::from(point)).chain(middles).collect()
     }
 }
 
@@ -230,8 +246,8 @@ struct Comparand {
 
 impl Comparand {
     fn new(mesh: &Mesh, frame: &Frame) -> Option<Self> {
-        // Squares of larger numbers are infinite.
-        const LARGEST: f64 = 1e150;
+        // Distances from triangles take products of eight lengths.
+        const LARGEST: f64 = 1e30;
         let points: Vec<_> = mesh.points.iter().map(|&point| frame.to_unit(point)).collect();
         let somewhere = |v: &u32| points.get(*v as usize).is_some_and(|p| p.iter().all(|x| x.abs() < LARGEST));
         if !mesh.faces().flatten().all(somewhere) {
@@ -269,6 +285,12 @@ impl Comparand {
         self.distances(points, |point| ground.triangles.distance(point))
     }
 
+    /// How far the middles of the edges are from the surface.
+    fn edges(&self, ground: &Ground) -> Distances {
+        let middles = self.connections.edges.iter().map(|edge| self.mesh.middle(&edge.ends)).collect();
+        self.distances(middles, |point| ground.triangles.distance(point))
+    }
+
     /// How far the middles of the faces are from the surface, and which faces look away from it.
     fn faces(&self, ground: &Ground) -> (Distances, Vec<u32>) {
         let of_face = |face: u32| {
@@ -297,29 +319,6 @@ impl Comparand {
     fn distances(&self, points: Vec<DVec3>, distance: impl Fn(DVec3) -> f64 + Sync) -> Distances {
         let distances = points.par_iter().map(|&point| distance(point) / self.mean_edge).collect();
         Distances { points, distances }
-    }
-
-    fn compare(&self, ground: &Ground, vertices: Farthest, faces: Farthest, surface: &Surface) -> Comparison {
-        let frame = surface.frame();
-        let middles = self.connections.edges.iter().map(|edge| self.mesh.middle(&edge.ends)).collect();
-        let edges = self.distances(middles, |point| ground.triangles.distance(point)).farthest(frame);
-        let to_surface = vertices.or(edges).or(faces);
-
-        let of_mesh = fan(&self.mesh);
-        let of_ground = ground.mesh.points.iter().map(|&point| DVec3::from(point)).chain(ground.middles()).collect();
-        let to_mesh = self.distances(of_ground, |point| of_mesh.distance(point)).farthest(frame);
-
-        let hausdorff = to_surface.distance.max(to_mesh.distance);
-        Comparison {
-            topology: ground.topology,
-            differences: self.differences(ground),
-            vertices_to_surface: vertices,
-            to_surface,
-            to_mesh,
-            hausdorff,
-            hausdorff_over_diagonal: hausdorff * self.mean_edge,
-            features: self.features(surface),
-        }
     }
 
     fn differences(&self, ground: &Ground) -> Vec<Difference> {
