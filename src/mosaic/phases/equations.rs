@@ -102,8 +102,8 @@ fn spread(level: &Level) -> Vec<Complex> {
 
 /// The two unknowns of each sector, and which unknowns are fixed.
 ///
-/// On a feature the phase across it is fixed, and the one along it is shared by all sectors at the place; at corners,
-/// but for free ends, both are fixed.
+/// On a feature the phase across it is fixed, and the one along it is shared by all sectors at the place; at corners
+/// both are fixed.
 pub fn unknowns(surface: &Surface, sectors: &Sectors) -> (Vec<Unknowns>, Vec<bool>) {
     let mut fixed = Vec::with_capacity(2 * sectors.count());
     // The shared unknown at a place on a feature, and the vertex that it grows towards.
@@ -111,10 +111,10 @@ pub fn unknowns(surface: &Surface, sectors: &Sectors) -> (Vec<Unknowns>, Vec<boo
     let unknowns = (0..sectors.count()).map(|sector| {
         let first = sectors.first_corner[sector];
         let vertex = surface.origin(first);
-        let is_pinned = surface.features().is_pinned(vertex);
+        let is_corner = surface.features().is_corner(vertex);
         let own = fixed.len() as u32;
-        if is_pinned || sectors.quarters[sector] == 0 {
-            fixed.extend([is_pinned; 2]);
+        if is_corner || sectors.quarters[sector] == 0 {
+            fixed.extend([is_corner; 2]);
             return [own, own + 1];
         }
         fixed.push(true);
