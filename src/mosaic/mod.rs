@@ -40,6 +40,7 @@ pub use seat::{Rulers, Seat, Site};
 
 use crate::compute::{Backend, ComputeError, Ground};
 use crate::field::Field;
+use crate::geometry::dot;
 use crate::sizes::Sizes;
 use crate::surface::Surface;
 use bytemuck::{Pod, Zeroable};
@@ -216,9 +217,24 @@ const ATTEMPTS: usize = 3;
 /// A coarse mosaic may promise a count that is wrong by this share before another one is tried.
 const PROMISE_ERROR: f64 = 0.005;
 /// Coarse mosaics that are tried.
-const TRIES: usize = 5;
+const TRIES: usize = 6;
+/// So many of them with equal sides throughout. On a surface with many equal parts, as the teeth of a gear, all of these get
+/// another row at the same side, and the count jumps; where sides differ a little they do so one after the other.
+const EVEN_TRIES: usize = 2;
+/// By how much sides differ then, as a share, over the diagonal of the surface.
+const TILT: f32 = 0.04;
+/// The direction in which they grow: oblique, so that parts that mirror each other differ.
+const TILTED: [f32; 3] = [0.53, 0.62, 0.58];
 /// The longest edge that the periodic solve sees rows across, in tile sides.
 const LONGEST_EDGE: f64 = 0.9;
+
+/// The side of the tiles at each vertex of the surface.
+fn sides(surface: &Surface, field: &Field, h: f32, tilt: f32) -> impl Fn(u32) -> f64 + Sync {
+    move |vertex| {
+        let up = dot(Vec3::from(TILTED), surface.points[vertex as usize]);
+        f64::from(h * field.sizes().at_vertex(vertex) * (1.0 + tilt * up))
+    }
+}
 
 /// A level is done when its tiles move by less than this in a batch, in the mean, in tile sides.
 const STILL: f32 = 0.01;
@@ -262,20 +278,28 @@ impl Layer<'_> {
     fn aimed_at(&self, count: f64) -> Result<Mosaic, ComputeError> {
         let mut h = self.field.sizes().side_for_count(self.surface, count.round() as usize);
         let mut best: Option<(f64, f32, Mosaic)> = None;
-        for _ in 0..TRIES {
-            let finest = self.promised(h)?;
+        // The side and the miss of the last mosaics with too few tiles and too many.
+        let mut bracket: [Option<[f64; 2]>; 2] = [None; 2];
+        for attempt in 0..TRIES {
+            let tilt = if attempt < EVEN_TRIES { 0.0 } else { TILT };
+            let finest = self.promised(h, tilt)?;
             let features = finest.sites.len();
-            let ratio = finest.count().max(1) as f64 / count;
-            let miss = ratio.ln().abs();
-            if best.as_ref().is_none_or(|b| miss < b.0) {
-                best = Some((miss, h, finest));
+            let miss = (finest.count().max(1) as f64 / count).ln();
+            if best.as_ref().is_none_or(|b| miss.abs() < b.0) {
+                best = Some((miss.abs(), h, finest));
             }
             // Rows that pass everywhere cost more than what they miss by.
             let allowed = if self.rows == Rows::Continuous { COUNT_ERROR } else { PROMISE_ERROR };
-            if miss < allowed || features as f64 >= count {
+            if miss.abs() < allowed || features as f64 >= count {
                 break;
             }
-            h *= ratio.sqrt() as f32;
+            bracket[usize::from(miss > 0.0)] = Some([f64::from(h), miss]);
+            h = match bracket {
+                [Some([large, few]), Some([small, many])] if large > small => {
+                    (small * (large / small).powf(many / (many - few))) as f32
+                }
+                _ => h * (miss / 2.0).exp() as f32,
+            };
         }
         (self.progress)(0.3);
         let (_, h, finest) = best.expect("one try at least");
@@ -284,14 +308,13 @@ impl Layer<'_> {
         Ok(settled)
     }
 
-    /// Tiles at the scale `h`, the finest level not relaxed.
-    fn promised(&self, h: f32) -> Result<Mosaic, ComputeError> {
+    /// Tiles at the scale `h`, the finest level not relaxed; their sides differ by up to `tilt` over the surface.
+    fn promised(&self, h: f32, tilt: f32) -> Result<Mosaic, ComputeError> {
         let splits = splits(self.surface, self.field.sizes(), f64::from(h), self.effort.solved);
         if self.rows == Rows::Continuous {
-            return self.woven(h, 3u32.pow(splits as u32));
+            return self.woven(h, tilt, 3u32.pow(splits as u32));
         }
-        let first = h * 3f32.powi(splits);
-        let mut mosaic = self.sown(first)?;
+        let mut mosaic = self.sown(h * 3f32.powi(splits), tilt)?;
         for split in 1..=splits {
             mosaic = self.settled(mosaic, h * 3f32.powi(splits - split + 1))?;
             mosaic = self.refined(&mosaic, h * 3f32.powi(splits - split));
@@ -300,10 +323,9 @@ impl Layer<'_> {
     }
 
     /// Tiles at the scale `h` where the rows of the periodic solve cross.
-    fn sown(&self, h: f32) -> Result<Mosaic, ComputeError> {
+    fn sown(&self, h: f32, tilt: f32) -> Result<Mosaic, ComputeError> {
         let (surface, field) = (self.surface, self.field);
-        let side = |v| f64::from(h * field.sizes().at_vertex(v));
-        let mut phases = Phases::solve(surface, field, side, self.backend)?;
+        let mut phases = Phases::solve(surface, field, sides(surface, field, h, tilt), self.backend)?;
         let row_ends = phases.close(surface, self.rows, self.backend)?;
         let mut tiles = lattice::lattice(surface, field, &phases, h);
         if tiles.is_empty() {
@@ -314,10 +336,9 @@ impl Layer<'_> {
     }
 
     /// Tiles of side `h` in rows that pass over the whole surface; `finer` times as many rows as are solved for.
-    fn woven(&self, h: f32, finer: u32) -> Result<Mosaic, ComputeError> {
+    fn woven(&self, h: f32, tilt: f32, finer: u32) -> Result<Mosaic, ComputeError> {
         let (surface, field) = (self.surface, self.field);
-        let side = |v| f64::from(h * field.sizes().at_vertex(v)) * f64::from(finer);
-        let mut phases = Phases::solve(surface, field, side, self.backend)?;
+        let mut phases = Phases::solve(surface, field, sides(surface, field, h * finer as f32, tilt), self.backend)?;
         let row_ends = phases.close(surface, self.rows, self.backend)?;
         phases.multiply(finer);
         let mut chart = Chart::new(surface, &phases);
