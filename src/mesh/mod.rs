@@ -8,6 +8,7 @@ mod edit;
 pub mod fill;
 mod intrinsic;
 pub mod join;
+mod metric;
 pub mod pair;
 pub mod quality;
 mod read;
@@ -15,6 +16,7 @@ pub mod regions;
 pub mod smooth;
 pub mod triangulate;
 
+pub use metric::Metric;
 pub use read::{read_mesh, read_mesh_as};
 pub use triangulate::Triangulation;
 

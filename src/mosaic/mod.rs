@@ -27,6 +27,7 @@ pub mod fitting;
 pub mod grid;
 pub mod lattice;
 pub mod neighbours;
+pub(crate) mod oblong;
 pub mod phases;
 pub mod refine;
 pub mod relax;
@@ -106,7 +107,9 @@ pub struct Mosaic {
     /// The scale of the tiles' sizes.
     pub scale: f32,
     pub(crate) rulers: Rulers,
-    /// The metric in which the tiles are equal squares, where rows pass over the whole surface.
+    /// See [`Mosaic::factor`]; empty where tiles are squares.
+    pub(crate) factors: Vec<f32>,
+    /// The metric in which the tiles are equal squares, where rows pass over the whole surface or tiles are rectangles.
     pub(crate) chart: Option<Chart>,
     /// What became of the ends of rows, there.
     pub row_ends: Option<RowEnds>,
@@ -135,7 +138,8 @@ impl Mosaic {
         let (sites, mut tiles) = seat::seat(surface, field, h, &rulers);
         let sides = tiles.len();
         tiles.extend(free);
-        Self { sites, tiles, sides, scale: h, rulers, chart: None, row_ends: None }
+        let factors = oblong::factors(surface, field, &tiles);
+        Self { sites, tiles, sides, scale: h, rulers, factors, chart: None, row_ends: None }
     }
 }
 
@@ -172,11 +176,13 @@ fn splits(surface: &Surface, sizes: &Sizes, h: f64, solved: usize) -> i32 {
     excess.log(9.0).ceil().max(0.0) as i32
 }
 
-/// The longest edge at each vertex of a surface on which a mosaic of `count` tiles can be laid, in unit-sized coordinates:
+/// The longest edge at each vertex of a surface on which a mosaic of `count` tiles can be laid, their longer sides up to
+/// `aspect` times their shorter ones, in unit-sized coordinates:
 /// the periodic solve sees its rows from vertex to vertex.
-pub fn longest_edges(surface: &Surface, sizes: &Sizes, count: usize) -> Vec<f64> {
+pub fn longest_edges(surface: &Surface, sizes: &Sizes, count: usize, aspect: f64) -> Vec<f64> {
     let h = f64::from(sizes.side_for_count(surface, count));
-    let longest = LONGEST_EDGE * h * 3f64.powi(splits(surface, sizes, h, Effort::default().solved));
+    let shorter = h / aspect.sqrt();
+    let longest = LONGEST_EDGE * shorter * 3f64.powi(splits(surface, sizes, h, Effort::default().solved));
     (0..surface.vertex_count() as u32).map(|v| longest * f64::from(sizes.at_vertex(v))).collect()
 }
 
@@ -277,8 +283,12 @@ impl Layer<'_> {
     /// Tiles at the scale `h`, the finest level not relaxed.
     fn promised(&self, h: f32) -> Result<Mosaic, ComputeError> {
         let splits = splits(self.surface, self.field.sizes(), f64::from(h), self.effort.solved);
+        let finer = 3u32.pow(splits as u32);
         if self.rows == Rows::Continuous {
-            return self.woven(h, 3u32.pow(splits as u32));
+            return self.woven(h, finer);
+        }
+        if self.field.stretch().is_some() {
+            return self.crossed(h, finer);
         }
         let first = h * 3f32.powi(splits);
         let mut mosaic = self.sown(first)?;
@@ -312,9 +322,23 @@ impl Layer<'_> {
         let mut chart = Chart::new(surface, &phases);
         let tiles = lattice::woven(surface, field, &phases, &chart, h);
         let woven = Mosaic::new(surface, field, h, Rulers::new(surface, field, &phases), tiles);
-        let tiles = census::thin(&woven, lattice::DOUBLE);
-        chart.keep_cones(&tiles[woven.sides..]);
-        Ok(Mosaic { tiles, chart: Some(chart), row_ends: Some(row_ends), ..woven })
+        let woven = census::thin(&woven, lattice::DOUBLE);
+        chart.keep_cones(woven.free());
+        Ok(Mosaic { chart: Some(chart), row_ends: Some(row_ends), ..woven })
+    }
+
+    /// Rectangular tiles where rows cross, which may end; `finer` times as many rows as are solved for.
+    fn crossed(&self, h: f32, finer: u32) -> Result<Mosaic, ComputeError> {
+        let (surface, field) = (self.surface, self.field);
+        let side = |v| f64::from(h * field.sizes().at_vertex(v)) * f64::from(finer);
+        let mut phases = Phases::solve(surface, field, side, self.backend)?;
+        phases.multiply(finer);
+        let mut tiles = lattice::lattice(surface, field, &phases, h);
+        if tiles.is_empty() {
+            tiles = sow::sow(surface, field, h);
+        }
+        let crossed = Mosaic::new(surface, field, h, Rulers::new(surface, field, &phases), tiles);
+        Ok(Mosaic { chart: Some(Chart::of_ways(&phases)), ..census::thin(&crossed, census::CROWDED) })
     }
 
     fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {
@@ -323,9 +347,9 @@ impl Layer<'_> {
         census::take(self.surface, self.field, &refined)
     }
 
-    /// Relaxed in batches, with a census after each; rows that pass over the whole surface stay as they are.
+    /// Relaxed in batches, with a census after each; rows that pass over the whole surface, and rectangles, stay as they are.
     fn settled(&self, mut mosaic: Mosaic, h: f32) -> Result<Mosaic, ComputeError> {
-        if self.rows == Rows::Continuous {
+        if self.rows == Rows::Continuous || self.field.stretch().is_some() {
             return Ok(mosaic);
         }
         let relaxation = Relaxation::new(self.effort.steps, h, self.field.sizes());
