@@ -82,3 +82,56 @@ pub(crate) fn laid(frame: Option<&Frame>, place: DVec3) -> DVec3 {
 pub(crate) fn lifted(frame: Option<&Frame>, place: DVec3) -> DVec3 {
     frame.map_or(place, |frame| frame.back * place)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::quality::quad_shape;
+
+    /// Four vertices whose tiles are four times as long as wide along x, the first `rough` of them on features.
+    fn metric(rough: usize) -> Metric {
+        Metric::new(&Anchors {
+            feature_edges: Vec::new(),
+            fixed: (0..4).map(|v| v < rough).collect(),
+            normals: vec![[0.0, 0.0, 1.0]; 4],
+            // Of the same tile, along it or across.
+            axes: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]],
+            factors: vec![2.0, 0.5, 2.0, 0.5],
+        })
+    }
+
+    fn shape(frame: Option<&Frame>, [x, y]: [f64; 2]) -> f64 {
+        let corners = [[0.0, 0.0, 0.0], [x, 0.0, 0.0], [x, y, 0.0], [0.0, y, 0.0]];
+        quad_shape(corners.map(|corner| laid(frame, corner.into()).into()))
+    }
+
+    #[test]
+    fn the_wanted_rectangle_is_a_square() {
+        let frame = metric(0).frame(&[0, 1, 2, 3]);
+        assert!((shape(frame.as_ref(), [4.0, 1.0]) - 1.0).abs() < 1e-12);
+        assert!(shape(frame.as_ref(), [1.0, 1.0]) < 0.5, "a square is four times too wide");
+        assert!(shape(frame.as_ref(), [1.0, 4.0]) < 0.2, "and the rectangle laid across is worse");
+        assert!(shape(None, [4.0, 1.0]) < 0.5);
+        let place = DVec3::new(0.3, -0.7, 2.0);
+        assert!(lifted(frame.as_ref(), laid(frame.as_ref(), place)).distance(place) < 1e-12);
+        assert!((laid(frame.as_ref(), place).z - place.z).abs() < 1e-12, "heights stay");
+    }
+
+    #[test]
+    fn vertices_on_features_have_a_say_among_themselves_alone() {
+        let mut anchored = metric(2);
+        anchored.maps[0] = DMat3::IDENTITY;
+        anchored.maps[1] = DMat3::IDENTITY;
+        let wanted = |face: &[u32]| shape(anchored.frame(face).as_ref(), [4.0, 1.0]);
+        assert!((wanted(&[0, 1, 2, 3]) - 1.0).abs() < 1e-12);
+        assert!(wanted(&[0, 1]) < 0.5, "both on features");
+    }
+
+    #[test]
+    fn squares_take_no_map() {
+        let squares = Metric::default();
+        assert!(squares.frame(&[0, 1, 2]).is_none());
+        assert!(squares.frames([[0u32, 1, 2]].iter()).is_empty());
+        assert!(squares.of(&[0, 3]).maps.is_empty());
+    }
+}
