@@ -6,6 +6,7 @@ use crate::mesh::check::{Faults, check_joined};
 use crate::mesh::clean::CleanCounts;
 use crate::mesh::pair::PairCounts;
 use crate::mesh::quality::Quality;
+use crate::mosaic::phases::RowEnds;
 use crate::mosaic::{Mosaic, fit::Fit};
 use crate::pipeline::{Fineness, Options, Outcome};
 use crate::surface::{Repairs, Surface};
@@ -124,6 +125,9 @@ pub struct Tiles {
     pub on_features: usize,
     /// Holes (faces of more than four sides) of the connected mosaic, before they were filled.
     pub holes: usize,
+    /// Ends of rows before and after they were led to each other, and the length of the ways; absent where no row crosses
+    /// another.
+    pub row_ends: Option<RowEnds>,
 }
 
 /// How long a stage took.
@@ -151,6 +155,7 @@ impl Report {
                 tiles: outcome.mosaic.count(),
                 on_features: outcome.mosaic.sites.len(),
                 holes: outcome.holes,
+                row_ends: outcome.mosaic.row_ends,
             },
             before: Quality::of(&outcome.before),
             mesh: Quality::of(&outcome.mesh),

@@ -59,7 +59,6 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     let free = work.place_free(surface, mosaic, &cones);
     let mut is_tile = vec![false; work.faces.leaving.len()];
     sites.iter().chain(&free).for_each(|&vertex| is_tile[vertex as usize] = true);
-    work.free_ends(surface, &is_tile);
     let left = work.remove_others(&is_tile);
     let order: Vec<u32> = sites.iter().chain(&free).chain(&left).copied().collect();
     let mut tiles: Vec<Tile> = mosaic.sites.iter().map(|site| mosaic.tiles[site.first_side as usize]).collect();
@@ -324,36 +323,6 @@ impl<'a> Work<'a> {
             face = entered / 3;
         }
         face
-    }
-
-    /// Unlocks creases between the last tile on them and a free end: rows run on there.
-    ///
-    /// At that tile the directions on one side count on from those on the other.
-    fn free_ends(&mut self, surface: &Surface, is_tile: &[bool]) {
-        let faces = &mut self.faces;
-        let mut ring = Vec::new();
-        for end in surface.features().corners().filter(|&v| surface.features().is_free_end(v)) {
-            let mut at = end;
-            while !is_tile[at as usize] {
-                faces.ring(at, &mut ring);
-                let Some(&out) = ring.iter().find(|&&h| faces.locked[h as usize]) else { break };
-                let twin = faces.twin[out as usize];
-                faces.locked[out as usize] = false;
-                faces.locked[twin as usize] = false;
-                at = faces.origin[twin as usize];
-                let turn = faces.end[super::intrinsic::next(out) as usize] - faces.begin[twin as usize];
-                let mut h = twin;
-                loop {
-                    faces.begin[h as usize] += turn;
-                    faces.end[h as usize] += turn;
-                    let side = super::intrinsic::previous(h);
-                    h = faces.twin[side as usize];
-                    if h == twin || faces.locked[side as usize] {
-                        break;
-                    }
-                }
-            }
-        }
     }
 
     /// Takes out every vertex that is no tile; returns those that have to stay.

@@ -115,7 +115,7 @@ pub struct Mosaic {
     pub(crate) factors: Vec<f32>,
     /// The metric in which the tiles are equal squares, where rows pass over the whole surface or tiles are rectangles.
     pub(crate) chart: Option<Chart>,
-    /// What became of the ends of rows, there.
+    /// What became of the ends of rows: on the level that was solved for.
     pub row_ends: Option<RowEnds>,
 }
 
@@ -309,13 +309,14 @@ impl Layer<'_> {
     fn sown(&self, h: f32) -> Result<Mosaic, ComputeError> {
         let (surface, field) = (self.surface, self.field);
         let side = |v| f64::from(h * field.sizes().at_vertex(v));
-        let phases = Phases::solve(surface, field, side, self.backend)?;
+        let mut phases = Phases::solve(surface, field, side, self.backend)?;
+        let row_ends = phases.close(surface, self.rows, self.backend)?;
         let mut tiles = lattice::lattice(surface, field, &phases, h);
         if tiles.is_empty() {
             tiles = sow::sow(surface, field, h);
         }
         let sown = Mosaic::new(surface, field, h, Rulers::new(surface, field, &phases), tiles);
-        Ok(census::take(surface, field, &sown))
+        Ok(Mosaic { row_ends: Some(row_ends), ..census::take(surface, field, &sown) })
     }
 
     /// Tiles of side `h` in rows that pass over the whole surface; `finer` times as many rows as are solved for.
@@ -323,7 +324,7 @@ impl Layer<'_> {
         let (surface, field) = (self.surface, self.field);
         let side = |v| f64::from(h * field.sizes().at_vertex(v)) * f64::from(finer);
         let mut phases = Phases::solve(surface, field, side, self.backend)?;
-        let row_ends = phases.close(surface, self.backend)?;
+        let row_ends = phases.close(surface, self.rows, self.backend)?;
         phases.multiply(finer);
         let mut chart = Chart::new(surface, &phases);
         let tiles = lattice::woven(surface, field, &phases, &chart, h);
@@ -350,7 +351,7 @@ impl Layer<'_> {
     fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {
         let free = refine::refine(self.surface, self.field, coarse, h);
         let refined = Mosaic::new(self.surface, self.field, h, coarse.rulers.thirds(), free);
-        census::take(self.surface, self.field, &refined)
+        Mosaic { row_ends: coarse.row_ends, ..census::take(self.surface, self.field, &refined) }
     }
 
     /// Relaxed in batches, with a census after each; rows that pass over the whole surface, and rectangles, stay as they are.

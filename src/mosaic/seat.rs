@@ -51,9 +51,7 @@ pub fn seat(surface: &Surface, field: &Field, h: f32, rulers: &Rulers) -> (Vec<S
         let least = {
             // Few intervals must not make a loop of less than three edges, nor two edges between the same two corners.
             let ends = path.ends(surface);
-            if path.free != [false; 2] {
-                0
-            } else if ends[0] == ends[1] {
+            if ends[0] == ends[1] {
                 3
             } else if joined.insert(ends) {
                 1
@@ -62,12 +60,12 @@ pub fn seat(surface: &Surface, field: &Field, h: f32, rulers: &Rulers) -> (Vec<S
             }
         };
         let marks = match seats.intervals(surface, &path) {
-            Some(intervals) => path.even(intervals as f64),
+            Some(intervals) => path.even(intervals),
             None => match rulers.marks.get(&path.key(surface)) {
                 Some(marks) if intervals(marks) * rulers.finer >= least => {
                     marks.iter().map(|x| x * rulers.finer as f64).collect()
                 }
-                _ => path.even((path.length / f64::from(h)).round().max(least as f64)),
+                _ => path.even(((path.length / f64::from(h)).round() as usize).max(least)),
             },
         };
         seats.along(surface, &path, h, &marks);
@@ -103,17 +101,12 @@ impl Rulers {
                 if surface.origin(h) == v { [at, step] } else { [-at - step, step] }
             });
             let ways: Vec<[f64; 2]> = ways.collect();
-            let mut here = vec![if path.closed || path.free[0] { ways[0][0] } else { 0.0 }];
+            let mut here = vec![if path.closed { ways[0][0] } else { 0.0 }];
             ways.iter().for_each(|[_, step]| here.push(here[here.len() - 1] + step));
-            let may_be_short = path.free != [false; 2];
-            if (may_be_short || intervals(&here) > 0) && ways.iter().all(|way| way[1] > 0.0) {
+            if intervals(&here) > 0 && ways.iter().all(|way| way[1] > 0.0) {
                 // Corners are whole, but for roundings.
                 let last = here.len() - 1;
-                match path.free {
-                    [false, false] => here[last] = here[0] + intervals(&here) as f64,
-                    [true, false] => here[last] = here[last].round(),
-                    _ => (),
-                }
+                here[last] = here[0] + intervals(&here) as f64;
                 marks.entry(path.key(surface)).or_insert(here);
             }
         }
@@ -135,8 +128,6 @@ struct Path {
     lengths: Vec<f64>,
     length: f64,
     closed: bool,
-    /// Whether it begins and ends at a free end.
-    free: [bool; 2],
 }
 
 impl Path {
@@ -156,37 +147,20 @@ impl Path {
             half_edges.reverse();
         }
         let lengths: Vec<f64> = half_edges.iter().map(|&h| sizes.length(surface, h)).collect();
-        let free = [0, vertices.len() - 1].map(|i| surface.features().is_free_end(vertices[i]));
-        Self { vertices, half_edges, length: lengths.iter().sum(), lengths, closed: curve.closed, free }
+        Self { vertices, half_edges, length: lengths.iter().sum(), lengths, closed: curve.closed }
     }
 
-    /// So many equal intervals; at a free end the last one is a half.
-    fn even(&self, intervals: f64) -> Vec<f64> {
-        let begin = if self.free[0] { 0.5 } else { 0.0 };
-        let end = if self.free[1] { intervals.floor() + 0.5 } else { intervals };
+    /// Equal intervals.
+    fn even(&self, intervals: usize) -> Vec<f64> {
         let mut passed = 0.0;
-        let mut marks = vec![begin];
+        let mut marks = vec![0.0];
         for length in &self.lengths {
             passed += length;
-            marks.push(begin + passed / self.length * (end - begin));
+            marks.push(passed / self.length * intervals as f64);
         }
         let last = marks.len() - 1;
-        marks[last] = end;
+        marks[last] = intervals as f64;
         marks
-    }
-
-    /// The first whole number at which a tile lies, corners left out, and the one after the last, where these are the marks.
-    fn wholes(&self, marks: &[f64]) -> [i64; 2] {
-        let [begin, end] = [marks[0], marks[marks.len() - 1]];
-        let first = if self.closed || self.free[0] { begin.ceil() } else { begin.round() + 1.0 };
-        let past = if self.free[1] {
-            end.floor() + 1.0
-        } else if self.closed {
-            first + (end - begin).round()
-        } else {
-            end.round()
-        };
-        [first as i64, (past as i64).max(first as i64)]
     }
 
     /// Where it begins and ends, the lower first.
@@ -212,7 +186,7 @@ struct Seats {
 impl Seats {
     fn at_corners(&mut self, surface: &Surface) {
         let mut first = FxHashMap::default();
-        for v in surface.features().corners().filter(|&v| surface.features().is_pinned(v)) {
+        for v in surface.features().corners() {
             let id = self.list.len() as u32;
             self.list.push((Seat::Vertex(v), *first.entry(surface.same_place(v)).or_insert(id)));
         }
@@ -227,12 +201,14 @@ impl Seats {
     /// Adds the seats along a curve, its corners left out.
     fn along(&mut self, surface: &Surface, path: &Path, h: f32, marks: &[f64]) {
         let begun = self.list.len() as u32;
-        let [begin, end] = path.wholes(marks);
-        let [first, _] = *self.of_curves.entry(path.key(surface)).or_insert([begun, (end - begin) as u32]);
+        let intervals = intervals(marks);
+        let count = (intervals - usize::from(!path.closed)) as u32;
+        let [first, _] = *self.of_curves.entry(path.key(surface)).or_insert([begun, count]);
         let lengths = &path.lengths;
         let mut edge = 0;
-        for (k, at) in (begin..end).enumerate() {
-            let at = at as f64;
+        let begin = marks[0].ceil();
+        for (k, i) in (usize::from(!path.closed)..intervals).enumerate() {
+            let at = begin + i as f64;
             while edge + 1 < lengths.len() && marks[edge + 1] < at {
                 edge += 1;
             }

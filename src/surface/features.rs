@@ -40,7 +40,6 @@ pub struct Features {
     marked: Vec<bool>,
     curves: Vec<Curve>,
     is_corner: Vec<bool>,
-    is_free_end: Vec<bool>,
 }
 
 impl Features {
@@ -61,9 +60,8 @@ impl Features {
             })
             .collect();
         share_corners(surface, &edges, &mut is_corner);
-        let is_free_end = free_ends(surface, &edges);
         let curves = chain(surface, &edges, &is_corner);
-        Self { marked, curves, is_corner, is_free_end }
+        Self { marked, curves, is_corner }
     }
 
     /// Whether a half-edge lies on a feature (boundary half-edges do).
@@ -74,16 +72,6 @@ impl Features {
     /// Whether a vertex is a corner: a feature's end, a junction of several, or a sharp turn.
     pub fn is_corner(&self, vertex: u32) -> bool {
         self.is_corner[vertex as usize]
-    }
-
-    /// Whether a vertex is a corner where one crease runs out within the surface: rows run on past it.
-    pub fn is_free_end(&self, vertex: u32) -> bool {
-        self.is_free_end[vertex as usize]
-    }
-
-    /// Whether a vertex is a corner where a tile must lie: all are but free ends.
-    pub fn is_pinned(&self, vertex: u32) -> bool {
-        self.is_corner(vertex) && !self.is_free_end(vertex)
     }
 
     /// The corners, in order.
@@ -166,16 +154,6 @@ fn share_corners(surface: &Surface, edges: &Incidence, is_corner: &mut [bool]) {
             group.iter().for_each(|&[_, v]| is_corner[v as usize] = true);
         }
     }
-}
-
-/// Vertices with one feature edge, no other sheet of the surface being at their place.
-fn free_ends(surface: &Surface, edges: &Incidence) -> Vec<bool> {
-    let mut free: Vec<bool> = (0..surface.vertex_count() as u32).map(|v| edges.at(v).len() == 1).collect();
-    for v in (0..surface.vertex_count() as u32).filter(|&v| surface.same_place(v) != v) {
-        free[v as usize] = false;
-        free[surface.same_place(v) as usize] = false;
-    }
-    free
 }
 
 fn other_end(surface: &Surface, half_edge: u32, vertex: u32) -> u32 {

@@ -1,6 +1,6 @@
 //! The equations of the phases, in the form of the field's.
 
-use super::{Phases, Unknowns, Way, along};
+use super::{Cone, Phases, Unknowns, Way, along};
 use crate::field::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
 use crate::field::smooth::{Pace, flowed};
 use crate::field::{Complex, Hierarchy, Level, Link, MIRRORED, Sectors};
@@ -37,8 +37,8 @@ pub fn equations(graph: &Graph) -> Hierarchy {
 }
 
 /// The equations of what must be added to the coordinates so that their steps are, in the sense of least squares, the
-/// ways: real numbers, held as imaginary ones, so that mirrored they are negative.
-pub fn offsets(surface: &Surface, phases: &Phases) -> Hierarchy {
+/// ways: real numbers, held as imaginary ones, so that mirrored they are negative. `cones` are drawn to their triangles.
+pub fn offsets(surface: &Surface, phases: &Phases, cones: &[Cone]) -> Hierarchy {
     let graph = phases.graph(surface);
     let Graph { sectors, unknowns, .. } = graph;
     let mut pulls = vec![[0.0, 0.0]; phases.fixed.len()];
@@ -57,8 +57,8 @@ pub fn offsets(surface: &Surface, phases: &Phases) -> Hierarchy {
         }
     }
     let mut held = vec![0.0; phases.fixed.len()];
-    for cone in (0..surface.triangle_count() as u32).filter_map(|t| phases.cone(t)) {
-        for (k, offset) in (0..3).zip(phases.cone_offsets(&cone)) {
+    for cone in cones {
+        for (k, offset) in (0..3).zip(phases.cone_offsets(cone)) {
             let sector = sectors.of_corner[(3 * cone.triangle + k) as usize] as usize;
             for (unknown, off) in unknowns[sector].into_iter().zip(offset) {
                 pull(unknown, CONE_WEIGHT * off);
@@ -102,8 +102,8 @@ fn spread(level: &Level) -> Vec<Complex> {
 
 /// The two unknowns of each sector, and which unknowns are fixed.
 ///
-/// On a feature the phase across it is fixed, and the one along it is shared by all sectors at the place; at corners,
-/// but for free ends, both are fixed.
+/// On a feature the phase across it is fixed, and the one along it is shared by all sectors at the place; at corners
+/// both are fixed.
 pub fn unknowns(surface: &Surface, sectors: &Sectors) -> (Vec<Unknowns>, Vec<bool>) {
     let mut fixed = Vec::with_capacity(2 * sectors.count());
     // The shared unknown at a place on a feature, and the vertex that it grows towards.
@@ -111,10 +111,10 @@ pub fn unknowns(surface: &Surface, sectors: &Sectors) -> (Vec<Unknowns>, Vec<boo
     let unknowns = (0..sectors.count()).map(|sector| {
         let first = sectors.first_corner[sector];
         let vertex = surface.origin(first);
-        let is_pinned = surface.features().is_pinned(vertex);
+        let is_corner = surface.features().is_corner(vertex);
         let own = fixed.len() as u32;
-        if is_pinned || sectors.quarters[sector] == 0 {
-            fixed.extend([is_pinned; 2]);
+        if is_corner || sectors.quarters[sector] == 0 {
+            fixed.extend([is_corner; 2]);
             return [own, own + 1];
         }
         fixed.push(true);
