@@ -57,7 +57,7 @@ use phases::{Phases, RowEnds};
 pub struct Tile {
     /// Its centre, on the surface.
     pub position: [f32; 3],
-    /// Its side length.
+    /// Its side length; of a rectangle, that of a square with its area.
     pub h: f32,
     /// The surface's unit normal there.
     pub normal: [f32; 3],
@@ -339,13 +339,18 @@ impl Layer<'_> {
         let (surface, field) = (self.surface, self.field);
         let side = |v| f64::from(h * field.sizes().at_vertex(v)) * f64::from(finer);
         let mut phases = Phases::solve(surface, field, side, self.backend)?;
+        let row_ends = phases.close(surface, self.rows, self.backend)?;
         phases.multiply(finer);
         let mut tiles = lattice::lattice(surface, field, &phases, h);
         if tiles.is_empty() {
             tiles = sow::sow(surface, field, h);
         }
         let crossed = Mosaic::new(surface, field, h, Rulers::new(surface, field, &phases), tiles);
-        Ok(Mosaic { chart: Some(Chart::of_ways(&phases)), ..census::thin(&crossed, census::CROWDED) })
+        Ok(Mosaic {
+            chart: Some(Chart::of_ways(&phases)),
+            row_ends: Some(row_ends),
+            ..census::thin(&crossed, census::CROWDED)
+        })
     }
 
     fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {

@@ -22,7 +22,7 @@ pub fn quarters(surface: &Surface, tile: &Tile, factor: f32, share: f32) -> Vec<
     let barrier = |h: u32| surface.features().is_feature(h);
     let place =
         |way: Vec3| walk(surface, barrier, tile.triangle, tile.at(), way * half, WALK_EDGES).position.to_array();
-    let arm = |turn: u32| tile.direction(turn) * if turn % 2 == 0 { factor } else { 1.0 / factor };
+    let arm = |turn: u32| tile.direction(turn) * if turn.is_multiple_of(2) { factor } else { 1.0 / factor };
     let middles: Vec<[f32; 3]> = (0..=count.min(3)).map(|turn| place(arm(turn))).collect();
     let corner = |turn: u32| place(arm(turn) + arm(turn + 1));
     let middle = |turn: u32| middles[turn as usize % middles.len()];
