@@ -1,9 +1,11 @@
-//! What there is to say about a finished mesh, for a program to read; the command line prints the same for a person.
+//! What there is to say about a mesh, a field or a mosaic, for a program to read; the command line prints the same for a person.
 
 use crate::compute::Backend;
 use crate::field::{self, Field, GuideReport, Seat, StretchReport};
-use crate::mesh::check::{Faults, check_joined};
+use crate::mesh::Mesh;
+use crate::mesh::check::{Faults, Kind, check, check_joined};
 use crate::mesh::clean::CleanCounts;
+use crate::mesh::compare::{Comparison, Difference, check_against};
 use crate::mesh::pair::PairCounts;
 use crate::mesh::quality::Quality;
 use crate::mosaic::phases::RowEnds;
@@ -250,6 +252,60 @@ impl MosaicReport {
             on_features: mosaic.sites.len(),
             fit,
         }
+    }
+}
+
+/// A mesh, checked and measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct CheckReport {
+    /// [`VERSION`].
+    pub version: u32,
+    /// The program's name and version.
+    pub program: String,
+    /// What the mesh is called.
+    pub name: String,
+    /// Measures of the mesh; absent where its faces name missing vertices.
+    pub mesh: Option<Quality>,
+    /// Broken invariants of the mesh, each with its place in model units.
+    pub faults: Faults,
+    /// What it was compared with; absent where it was with nothing.
+    pub against: Option<Against>,
+}
+
+/// What a mesh was compared with, and how it differs.
+#[derive(Clone, Debug, Serialize)]
+pub struct Against {
+    /// The surface.
+    pub surface: Input,
+    /// How the mesh differs from it; absent where the mesh has nothing that could be compared.
+    pub comparison: Option<Comparison>,
+}
+
+impl CheckReport {
+    /// Checks and measures the mesh called `name`, and compares it with a surface and its name where there is one.
+    pub fn new(name: &str, mesh: &Mesh, against: Option<(&str, &Surface)>) -> Self {
+        let (faults, against) = match against {
+            None => (check(mesh), None),
+            Some((name, surface)) => {
+                let (faults, comparison) = check_against(mesh, surface);
+                (faults, Some(Against { surface: Input::new(name, surface), comparison }))
+            }
+        };
+        let measurable = faults.count(|kind| matches!(kind, Kind::MissingVertex { .. })) == 0;
+        Self {
+            version: VERSION,
+            program: PROGRAM.to_owned(),
+            name: name.to_owned(),
+            mesh: measurable.then(|| Quality::with_holes(mesh, faults.hole_triangles())),
+            faults,
+            against,
+        }
+    }
+
+    /// What the mesh as a whole has otherwise than the surface.
+    pub fn differences(&self) -> &[Difference] {
+        let comparison = self.against.as_ref().and_then(|against| against.comparison.as_ref());
+        comparison.map_or(&[], |comparison| &comparison.differences)
     }
 }
 

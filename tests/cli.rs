@@ -481,9 +481,9 @@ fn check_tells_good_from_broken() {
     desk.put("broken.obj", format!("v 5 5 5\n{SQUARE}f 2 3 4 5\nf 2 3 4 5\n"));
     let output = desk.run(&["check", "broken.obj"]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(text(&output.stdout).contains("vertex 0 lies on no face at (5.000000, 5.000000, 5.000000)"));
+    assert!(text(&output.stdout).contains("vertex 0 lies on no face at (5, 5, 5)"));
     assert!(text(&output.stdout).contains("edge 1-2 has two faces on the same side"));
-    assert!(text(&output.stderr).starts_with("error: broken.obj has "), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).starts_with("error: broken.obj: 6 faults"), "{}", text(&output.stderr));
     // STL repeats points; what is one vertex is checked as one.
     let facets = [["0 0 0", "1 0 0", "0 1 0"], ["1 0 0", "1 1 0", "0 1 0"]].map(|corners| {
         format!(
@@ -496,6 +496,43 @@ fn check_tells_good_from_broken() {
     assert!(said.contains("vertices   4\n") && said.contains("no faults; Euler characteristic 1"), "{said}");
     let said = desk.refusal(1, &["check", "none.obj"]);
     assert!(said.contains("none.obj"), "{said}");
+}
+
+#[test]
+fn check_compares_with_a_surface() {
+    let desk = Desk::new();
+    desk.said(&["mesh", "example:block", "--points", "500", "-o", "mesh.obj"]);
+    let against = |more: &[&str]| desk.run(&[&["check", "mesh.obj", "--against", "example:block"], more].concat());
+    let output = against(&["--report", "good.json"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let said = text(&output.stdout);
+    assert!(said.contains("example:block: ") && said.contains("\ndifferences    none\n"), "{said}");
+    let report: Value = serde_json::from_slice(&desk.bytes("good.json")).expect("it is JSON");
+    let comparison = &report["against"]["comparison"];
+    assert_eq!(comparison["topology"]["euler"], report["faults"]["euler"]);
+    assert!(comparison["hausdorff"].as_f64().is_some_and(|distance| distance < 0.5), "{comparison}");
+    let edges = |comparison: &Value| comparison["features"]["edges"].as_u64().unwrap_or(0);
+    assert!(edges(comparison) > 0);
+    // With no crease the block has no feature.
+    assert!(against(&["--crease", "180", "--report", "smooth.json"]).status.success());
+    let report: Value = serde_json::from_slice(&desk.bytes("smooth.json")).expect("it is JSON");
+    assert_eq!(edges(&report["against"]["comparison"]), 0);
+
+    // Without its last face it has a hole, and the report has its place.
+    let whole = text(&desk.bytes("mesh.obj"));
+    let (cut, _) = whole.trim_end().rsplit_once('\n').expect("it has lines");
+    desk.put("mesh.obj", cut);
+    let output = against(&["--report", "hole.json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = text(&output.stderr);
+    assert!(said.starts_with("error: mesh.obj: 1 fault; the Euler characteristic is -1, the surface's 0"), "{said}");
+    let report: Value = serde_json::from_slice(&desk.bytes("hole.json")).expect("it is JSON");
+    assert!(report["faults"]["list"][0]["kind"]["Hole"]["sides"].is_u64(), "{report}");
+
+    let said = desk.refusal(1, &["check", "mesh.obj", "--report", "mesh.obj"]);
+    assert!(said.contains("the same file"), "{said}");
+    let said = desk.refusal(2, &["check", "mesh.obj", "--against", "example:bock"]);
+    assert!(said.contains("no example surface"), "{said}");
 }
 
 /// The triangles of two squares side by side as ASCII STL: solids of these names.

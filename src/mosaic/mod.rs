@@ -181,8 +181,7 @@ fn splits(surface: &Surface, sizes: &Sizes, h: f64, solved: usize) -> i32 {
 }
 
 /// The longest edge at each vertex of a surface on which a mosaic of `count` tiles can be laid, their longer sides up to
-/// `aspect` times their shorter ones, in unit-sized coordinates:
-/// the periodic solve sees its rows from vertex to vertex.
+/// `aspect` times their shorter ones, in unit-sized coordinates: the periodic solve sees its rows from vertex to vertex.
 pub fn longest_edges(surface: &Surface, sizes: &Sizes, count: usize, aspect: f64) -> Vec<f64> {
     let h = f64::from(sizes.side_for_count(surface, count));
     let across = LONGEST_EDGE.min(LONGEST_ACROSS / aspect.sqrt());
@@ -227,7 +226,7 @@ const PROMISE_ERROR: f64 = 0.005;
 /// Coarse mosaics that are tried.
 const TRIES: usize = 5;
 /// The longest edge that the periodic solve sees rows across, in tile sides.
-const LONGEST_EDGE: f64 = 0.7;
+const LONGEST_EDGE: f64 = 0.9;
 /// The same, in the shorter sides of tiles that are rectangles.
 const LONGEST_ACROSS: f64 = 1.0;
 

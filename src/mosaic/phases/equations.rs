@@ -72,7 +72,7 @@ pub fn offsets(surface: &Surface, phases: &Phases, cones: &[Cone]) -> Hierarchy 
     let levels = graph.levels(|_, _| 0.0, pulls, &held);
     let start = levels.len() - 1;
     let crosses = vec![[0.0, 0.0]; levels[start].len()];
-    Hierarchy { levels, start, crosses, pace: Pace { descents: 8, flows: 0, last_flows: 0 } }
+    Hierarchy { levels, start, crosses, pace: Pace { descents: 4, flows: 0, last_flows: 0 } }
 }
 
 fn weight(sectors: &Sectors, half_edge: u32) -> f64 {
