@@ -302,6 +302,7 @@ mod tests {
             points: points.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect(),
             sites: 0,
             extra: 0,
+            factors: Vec::new(),
             same_place: (0..points.len() as u32).collect(),
         }
     }
