@@ -1,7 +1,7 @@
 //! What there is to say about a mesh, a field or a mosaic, for a program to read; the command line prints the same for a person.
 
 use crate::compute::Backend;
-use crate::field::{self, Field, GuideReport, Seat};
+use crate::field::{self, Field, GuideReport, Seat, StretchReport};
 use crate::mesh::Mesh;
 use crate::mesh::check::{Faults, Kind, check, check_joined};
 use crate::mesh::clean::CleanCounts;
@@ -102,6 +102,9 @@ pub struct FieldFigures {
     pub index_sum: f64,
     /// What became of each guide.
     pub guides: Vec<GuideReport>,
+    /// What became of the asked aspect of tiles, unless that is 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stretch: Option<StretchReport>,
 }
 
 /// A point that the field turns about.
@@ -348,6 +351,7 @@ impl FieldFigures {
             singularities: found.iter().map(singularity).collect(),
             index_sum: f64::from(found.iter().map(|singularity| singularity.quarters).sum::<i32>()) / 4.0,
             guides: field.guides().to_vec(),
+            stretch: field.stretch().map(|stretch| *stretch.report()),
         }
     }
 }

@@ -157,6 +157,7 @@ fn options_reach_the_mesher() {
         ("max-angle", mesh(&["--max-angle", "10"])),
         ("holes", mesh(&["--holes", "leave", "--max-angle", "10"])),
         ("smoothing", mesh(&["--smoothing", "0"])),
+        ("aspect", mesh(&["--aspect", "2", "--guide", "0.1,0.5,0,1,0,0"])),
     ] {
         assert_ne!(changed, plain, "{name} changes nothing");
     }
@@ -279,6 +280,37 @@ fn bad_guides_are_refused_with_their_line() {
 }
 
 #[test]
+fn the_program_says_where_tiles_are_no_rectangles() {
+    let desk = Desk::new();
+    desk.put("square.obj", format!("{SQUARE}f 1 2 3 4\n"));
+    for command in ["mesh", "mosaic"] {
+        let surface = |name: &'static str| [command, name, "--points", "400", "--aspect", "3", "-o", "out.obj"];
+        let said = desk.refusal(1, &surface("example:sphere:2000"));
+        assert!(said.contains("example:sphere:2000: rectangular tiles need a guide"), "{command}: {said}");
+        let guided =
+            [&surface("example:sphere:2000")[..], &["--guide", "1,0,0,0,0,1", "--report", "out.json"]].concat();
+        let output = desk.run(&guided);
+        let warning = text(&output.stderr);
+        assert!(output.status.success() && warning.starts_with("warning: on "), "{command}: {warning}");
+        assert!(
+            warning.contains("instead of 3 to 1: the field is only a cross about 8 points"),
+            "{command}: {warning}"
+        );
+        assert!(text(&output.stdout).contains("; tiles 3 to 1, squares on "), "{command}");
+        let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+        assert_eq!(report["field"]["stretch"]["odd_singularities"], 8);
+        // On a square there is no singularity.
+        let silent = [&surface("square.obj")[..], &["--guide", "0.5,0.5,0,1,0,0"]].concat();
+        assert_eq!(text(&desk.run(&silent).stderr), "", "{command}");
+        fs::remove_file(desk.path("out.obj")).expect("it was written");
+        fs::remove_file(desk.path("out.json")).expect("it was written");
+    }
+    let fitted =
+        ["mesh", "example:torus:2000", "--aspect", "3", "--guide", "1.4,0,0,0,0,1", "--fit", "1", "-o", "out.obj"];
+    assert!(desk.refusal(1, &fitted).contains("leave out the aspect or the fit"));
+}
+
+#[test]
 fn guides_without_effect_are_warned_of() {
     let desk = Desk::new();
     desk.put("guides.csv", "weight,x,y,z,dx,dy,dz\n# good\n,0.2,0.2,0,1,0.5,0\n2,0.2,0.2,0,0,0,1\n");
@@ -392,6 +424,7 @@ fn wrong_usage_is_told_from_failure() {
         (&["--points", "100", "--size", "1"], "cannot be used with"),
         (&["--refine-curvature", "0"], "from 1 to 90"),
         (&["--max-growth", "1"], "from 1.01 to 10"),
+        (&["--aspect", "0.5"], "the longer side over the shorter one, a number from 1 to 20"),
         (&["--size", "0"], "a length is a number above 0"),
         (&["--size", "inf"], "a length is a number above 0"),
         (&["--crease", "200"], "the angle is a number from 1 to 180"),

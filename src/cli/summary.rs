@@ -162,7 +162,11 @@ fn field(figures: &FieldFigures) -> String {
         0 => String::new(),
         count => format!("; {}", counted(count, "guide")),
     };
-    format!("{free}{corners}, the sum of indices is {}{guides}", figures.index_sum)
+    let stretch = figures.stretch.map_or_else(String::new, |stretch| {
+        let squares = 100.0 * (stretch.nearly_square + stretch.unguided);
+        format!("; tiles {} to 1, squares on {squares:.1} % of the area", stretch.aspect)
+    });
+    format!("{free}{corners}, the sum of indices is {}{guides}{stretch}", figures.index_sum)
 }
 
 fn repairs(repairs: &Repairs) -> String {

@@ -27,6 +27,7 @@
 
 use super::Mesh;
 use super::intrinsic::{Intrinsic, next};
+use super::metric::{Metric, laid};
 use super::quality::{quad_shape, triangle_shape};
 use super::triangulate::Triangulation;
 use crate::surface::NONE;
@@ -76,13 +77,15 @@ struct Filler<'a> {
     /// Triangles that a region has taken.
     seen: Vec<bool>,
     chords: FxHashSet<[u32; 2]>,
+    metric: Metric,
 }
 
 impl<'a> Filler<'a> {
     fn new(triangulation: &'a Triangulation, edges: &[bool]) -> Self {
         let faces = &triangulation.faces;
         let seen = vec![false; faces.face_count()];
-        Self { triangulation, faces, edges: edges.to_vec(), seen, chords: FxHashSet::default() }
+        let metric = Metric::new(&triangulation.anchors());
+        Self { triangulation, faces, edges: edges.to_vec(), seen, chords: FxHashSet::default(), metric }
     }
 
     /// The triangles that are joined to this one across no edge of the mesh.
@@ -262,16 +265,18 @@ impl<'a> Filler<'a> {
     }
 
     fn face_cost(&self, face: &[u32]) -> f64 {
+        let frame = self.metric.frame(face);
         let points = |i: usize| self.triangulation.points[face[i] as usize];
+        let shaped = |q: DVec3| laid(frame.as_ref(), q).to_array();
         let up: DVec3 = face.iter().map(|&v| self.triangulation.tiles[v as usize].normal().as_dvec3()).sum();
         let (shape, face_normal, base) = match face.len() {
             3 => {
                 let p = [points(0), points(1), points(2)];
-                (triangle_shape(p.map(|q| q.to_array())), (p[1] - p[0]).cross(p[2] - p[0]), TRIANGLE)
+                (triangle_shape(p.map(shaped)), (p[1] - p[0]).cross(p[2] - p[0]), TRIANGLE)
             }
             _ => {
                 let p = [points(0), points(1), points(2), points(3)];
-                (quad_shape(p.map(|q| q.to_array())), (p[2] - p[0]).cross(p[3] - p[1]), 0.0)
+                (quad_shape(p.map(shaped)), (p[2] - p[0]).cross(p[3] - p[1]), 0.0)
             }
         };
         let folded = if shape <= 0.05 { FOLDED } else { 0.0 };
@@ -297,6 +302,7 @@ mod tests {
             points: points.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect(),
             sites: 0,
             extra: 0,
+            factors: Vec::new(),
             same_place: (0..points.len() as u32).collect(),
         }
     }

@@ -9,6 +9,7 @@ mod edit;
 pub mod fill;
 mod intrinsic;
 pub mod join;
+mod metric;
 pub mod pair;
 pub mod quality;
 mod read;
@@ -18,6 +19,7 @@ pub mod smooth;
 mod topology;
 pub mod triangulate;
 
+pub use metric::Metric;
 pub use read::{read_mesh, read_mesh_as};
 pub use topology::Topology;
 pub use triangulate::Triangulation;

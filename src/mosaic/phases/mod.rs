@@ -58,7 +58,7 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug)]
 pub struct Phases<'a> {
     field: &'a Field,
-    ways: Vec<Way>,
+    pub(super) ways: Vec<Way>,
     /// The two coordinates of each sector, up to whole numbers.
     places: Vec<[f64; 2]>,
     /// By how much more than the two places say the coordinates grow along each half-edge, at the sector that it leaves.
@@ -77,7 +77,7 @@ fn along(unknowns: Unknowns, k: u32) -> u32 {
 }
 
 impl<'a> Phases<'a> {
-    /// Rows of tiles whose side at each vertex is `side`, in unit-sized coordinates.
+    /// Rows of tiles whose mean side at each vertex is `side`, in unit-sized coordinates; the field may stretch them.
     ///
     /// # Errors
     /// Where the backend fails.
@@ -87,7 +87,7 @@ impl<'a> Phases<'a> {
         side: impl Fn(u32) -> f64 + Sync,
         backend: &dyn Backend,
     ) -> Result<Self, ComputeError> {
-        let ways = ways::ways(surface, field.sectors(), &ways::axes(field), side);
+        let ways = ways::ways(surface, field, side);
         let (unknowns, fixed) = equations::unknowns(surface, field.sectors());
         let graph = Graph { surface, sectors: field.sectors(), ways: &ways, unknowns: &unknowns, fixed: &fixed };
         let values = backend.smooth(&equations::equations(&graph))?;
