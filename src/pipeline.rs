@@ -6,17 +6,17 @@
 //! into quads.
 
 use crate::compute::{Backend, ComputeError};
-use crate::field::{Align, Field, FieldOptions};
+use crate::field::{Align, Field, FieldOptions, Stretch, StretchError};
 use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
 use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::join::{Joined, join};
 use crate::mesh::pair::{PairCounts, PairOptions, Paired, pair};
 use crate::mesh::regions::with_regions;
-use crate::mesh::smooth::{Smoothed, smooth};
+use crate::mesh::smooth::{Smoothed, smooth_in};
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::unfold::unfold;
-use crate::mesh::{Mesh, Triangulation};
+use crate::mesh::{Mesh, Metric, Triangulation};
 use crate::mosaic::fitting::fitting;
 use crate::mosaic::{self, Effort, Layer, Mosaic, Rows};
 use crate::sizes::{SizeOptions, Sizes, SizesError};
@@ -52,6 +52,8 @@ pub struct Options {
     pub fit: f64,
     /// The largest side over the mean one, and the mean over the smallest, that fitting may ask for. Default 2.5.
     pub fit_range: f64,
+    /// The longer side of a tile, which lies along the guides, over the shorter one, from 1 to 20. Default 1: squares.
+    pub aspect: f64,
     /// Where tiles are to be smaller or larger than elsewhere.
     pub sizes: SizeOptions,
     /// When two tiles are connected.
@@ -77,6 +79,7 @@ impl Options {
             rows: Rows::default(),
             fit: 0.0,
             fit_range: 2.5,
+            aspect: 1.0,
             sizes: SizeOptions::default(),
             connect: ConnectOptions::default(),
             holes: Holes::default(),
@@ -137,6 +140,9 @@ pub enum PipelineError {
     /// The asked sizes make no sense.
     #[error(transparent)]
     Sizes(#[from] SizesError),
+    /// Tiles cannot be rectangles as asked.
+    #[error(transparent)]
+    Stretch(#[from] StretchError),
     /// The asked fineness makes no sense.
     #[error("{0}")]
     Fineness(String),
@@ -255,21 +261,26 @@ fn meshed(
     let below = triangulation.free_triangles(&kept);
 
     clock.begin(Stage::Pair);
-    let (quads, below, kept, pairs) = match &options.pairing {
+    let (quads, below, kept, metric, pairs) = match &options.pairing {
         Some(pairing) => {
             // Drafts are judged by what smoothing makes of them, so what they are compared with is smoothed too.
-            let calm = smooth(surface, &cleaned, &below, options.smoothing.min(CALMING));
-            let Paired { mesh, kept: of_cleaned, below, counts } =
-                pair(surface, &calm.mesh, &anchors.of(&kept), &calm.below, pairing);
+            let anchors = anchors.of(&kept);
+            let calm = smooth_in(&Metric::new(&anchors), surface, &cleaned, &below, options.smoothing.min(CALMING));
+            let Paired { mesh, kept: of_cleaned, below, metric, counts } =
+                pair(surface, &calm.mesh, &anchors, &calm.below, pairing);
             let kept = of_cleaned.iter().map(|&v| kept.get(v as usize).copied().unwrap_or(NONE)).collect();
-            (mesh, below, kept, Some(counts))
+            (mesh, below, kept, metric, Some(counts))
         }
-        None => (cleaned, below, kept, None),
+        None => {
+            let metric = Metric::new(&anchors.of(&kept));
+            (cleaned, below, kept, metric, None)
+        }
     };
 
     clock.begin(Stage::Smooth);
-    let smoothed = smooth(surface, &quads, &below, options.smoothing);
-    let Smoothed { mesh: smoothed, below } = if options.smoothing > 0 { unfold(surface, &smoothed) } else { smoothed };
+    let smoothed = smooth_in(&metric, surface, &quads, &below, options.smoothing);
+    let Smoothed { mesh: smoothed, below } =
+        if options.smoothing > 0 { unfold(&metric, surface, &smoothed) } else { smoothed };
     let before = join(&filled, &triangulation.same_place).mesh;
     let named = with_regions(&smoothed, surface, mosaic, &below, &kept);
     let Joined { mesh, branches } = join(&named, &triangulation.joints(&kept));
@@ -280,8 +291,9 @@ fn meshed(
 /// The surface, with the features that tiles so fine can show, how large they are to be, and how many vertices are wanted.
 ///
 /// # Errors
-/// Where the surface cannot be meshed or the fineness or the sizes make no sense.
+/// Where the surface cannot be meshed or the fineness, the sizes or the aspect make no sense.
 pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize), PipelineError> {
+    expect_stretchable(options)?;
     let features = &options.features;
     let surface = Surface::new(soup, features)?.with_edges(soup, &options.edges, features)?;
     let count = count(&surface, options)?;
@@ -290,7 +302,7 @@ pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize)
     let mut wanted = options.sizes.on(&surface, f64::from(side));
     let mut sizes = wanted.sizes(&surface, count)?;
     for _ in 0..ROUNDS_OF_SIZES {
-        let longest = mosaic::longest_edges(&surface, &sizes, count);
+        let longest = mosaic::longest_edges(&surface, &sizes, count, options.aspect);
         let middles;
         (surface, middles) = surface.divided(longest, features);
         if middles.is_empty() || sizes.is_equal() {
@@ -306,7 +318,7 @@ pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize)
 /// and if asked those that fit the field.
 ///
 /// # Errors
-/// Where the backend fails.
+/// Where the backend fails, or tiles cannot be stretched as asked.
 pub fn field(
     surface: &Surface,
     sizes: Sizes,
@@ -317,6 +329,11 @@ pub fn field(
     let side = surface.frame().diagonal * f64::from(mosaic::side_for_count(surface, count));
     let align = options.field.align.map(|align| Align { side: align.side.or(Some(side)), ..align });
     let field = Field::new(surface, &FieldOptions { align, ..options.field.clone() }, backend)?;
+    if options.aspect != 1.0 {
+        let side = f64::from(sizes.side_for_count(surface, count));
+        let stretch = Stretch::new(surface, &field, &options.field.guides, options.aspect, side, backend)?;
+        return Ok(field.with_sizes(sizes).with_stretch(stretch));
+    }
     if options.fit == 0.0 {
         return Ok(field.with_sizes(sizes));
     }
@@ -340,6 +357,16 @@ pub fn lay(
     let ground = backend.ground(surface, field)?;
     Layer { surface, field, backend, ground: &*ground, effort: Effort::default(), rows: options.rows, progress }
         .with_count(count)
+}
+
+/// Before long work: what can be known of the aspect without the surface.
+fn expect_stretchable(options: &Options) -> Result<(), StretchError> {
+    StretchError::of_aspect(options.aspect)?;
+    match options.aspect == 1.0 {
+        false if options.fit != 0.0 => Err(StretchError::Fitted),
+        false if options.field.guides.is_empty() => Err(StretchError::NoGuide),
+        _ => Ok(()),
+    }
 }
 
 /// How many vertices that makes.

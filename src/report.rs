@@ -1,11 +1,14 @@
-//! What there is to say about a finished mesh, for a program to read; the command line prints the same for a person.
+//! What there is to say about a mesh, a field or a mosaic, for a program to read; the command line prints the same for a person.
 
 use crate::compute::Backend;
-use crate::field::{self, Field, GuideReport, Seat};
-use crate::mesh::check::{Faults, check_joined};
+use crate::field::{self, Field, GuideReport, Seat, StretchReport};
+use crate::mesh::Mesh;
+use crate::mesh::check::{Faults, Kind, check, check_joined};
 use crate::mesh::clean::CleanCounts;
+use crate::mesh::compare::{Comparison, Difference, check_against};
 use crate::mesh::pair::PairCounts;
 use crate::mesh::quality::Quality;
+use crate::mosaic::phases::RowEnds;
 use crate::mosaic::{Mosaic, fit::Fit};
 use crate::pipeline::{Fineness, Options, Outcome};
 use crate::surface::{Repairs, Surface};
@@ -99,6 +102,9 @@ pub struct FieldFigures {
     pub index_sum: f64,
     /// What became of each guide.
     pub guides: Vec<GuideReport>,
+    /// What became of the asked aspect of tiles, unless that is 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stretch: Option<StretchReport>,
 }
 
 /// A point that the field turns about.
@@ -121,6 +127,9 @@ pub struct Tiles {
     pub on_features: usize,
     /// Holes (faces of more than four sides) of the connected mosaic, before they were filled.
     pub holes: usize,
+    /// Ends of rows before and after they were led to each other, and the length of the ways; absent where no row crosses
+    /// another.
+    pub row_ends: Option<RowEnds>,
 }
 
 /// How long a stage took.
@@ -148,6 +157,7 @@ impl Report {
                 tiles: outcome.mosaic.count(),
                 on_features: outcome.mosaic.sites.len(),
                 holes: outcome.holes,
+                row_ends: outcome.mosaic.row_ends,
             },
             before: Quality::of(&outcome.before),
             mesh: Quality::of(&outcome.mesh),
@@ -245,6 +255,60 @@ impl MosaicReport {
     }
 }
 
+/// A mesh, checked and measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct CheckReport {
+    /// [`VERSION`].
+    pub version: u32,
+    /// The program's name and version.
+    pub program: String,
+    /// What the mesh is called.
+    pub name: String,
+    /// Measures of the mesh; absent where its faces name missing vertices.
+    pub mesh: Option<Quality>,
+    /// Broken invariants of the mesh, each with its place in model units.
+    pub faults: Faults,
+    /// What it was compared with; absent where it was with nothing.
+    pub against: Option<Against>,
+}
+
+/// What a mesh was compared with, and how it differs.
+#[derive(Clone, Debug, Serialize)]
+pub struct Against {
+    /// The surface.
+    pub surface: Input,
+    /// How the mesh differs from it; absent where the mesh has nothing that could be compared.
+    pub comparison: Option<Comparison>,
+}
+
+impl CheckReport {
+    /// Checks and measures the mesh called `name`, and compares it with a surface and its name where there is one.
+    pub fn new(name: &str, mesh: &Mesh, against: Option<(&str, &Surface)>) -> Self {
+        let (faults, against) = match against {
+            None => (check(mesh), None),
+            Some((name, surface)) => {
+                let (faults, comparison) = check_against(mesh, surface);
+                (faults, Some(Against { surface: Input::new(name, surface), comparison }))
+            }
+        };
+        let measurable = faults.count(|kind| matches!(kind, Kind::MissingVertex { .. })) == 0;
+        Self {
+            version: VERSION,
+            program: PROGRAM.to_owned(),
+            name: name.to_owned(),
+            mesh: measurable.then(|| Quality::with_holes(mesh, faults.hole_triangles())),
+            faults,
+            against,
+        }
+    }
+
+    /// What the mesh as a whole has otherwise than the surface.
+    pub fn differences(&self) -> &[Difference] {
+        let comparison = self.against.as_ref().and_then(|against| against.comparison.as_ref());
+        comparison.map_or(&[], |comparison| &comparison.differences)
+    }
+}
+
 impl Asked {
     fn new(fineness: Fineness) -> Self {
         match fineness {
@@ -287,6 +351,7 @@ impl FieldFigures {
             singularities: found.iter().map(singularity).collect(),
             index_sum: f64::from(found.iter().map(|singularity| singularity.quarters).sum::<i32>()) / 4.0,
             guides: field.guides().to_vec(),
+            stretch: field.stretch().map(|stretch| *stretch.report()),
         }
     }
 }

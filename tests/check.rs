@@ -134,6 +134,7 @@ fn degenerate_face() {
     // Mean edge 2/3, area height / 2: the bound on the area lies at a height of 8/9e-6.
     assert_eq!(kinds(&sliver(0.88e-6)).len(), 1);
     assert!(kinds(&sliver(0.90e-6)).is_empty());
+    assert_eq!(kinds(&mesh(&[[1.0; 3]; 3], &[&[0, 1, 2]])).len(), 1, "nor has a mesh without extent a good face");
     let line = kinds(&mesh(&POINTS[..2], &[&[0, 1]]));
     assert!(line.contains(&Kind::DegenerateFace { face: 0, area: 0.0 }), "{line:?}");
 }
@@ -149,6 +150,11 @@ fn concave_quad() {
 fn display_names_the_first_few() {
     let text = check(&Mesh::new(vec![[0.0, 0.5, 0.0]; 8])).to_string();
     assert!(text.starts_with("8 faults;"), "{text}");
-    assert!(text.contains("vertex 0 lies on no face at (0.000000, 0.500000, 0.000000)"), "{text}");
+    assert!(text.contains("vertex 0 lies on no face at (0, 0.5, 0)"), "{text}");
     assert!(text.ends_with("and 3 more"), "{text}");
+    // One fault of another kind is not lost among many.
+    let mut points = vec![[0.0, 0.5, 0.0]; 8];
+    points.extend([[0.0; 3], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0]]);
+    let text = check(&mesh(&points, &[&[8, 9, 10]])).to_string();
+    assert!(text.contains("and 3 more\n  face 0 is degenerate"), "{text}");
 }

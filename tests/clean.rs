@@ -22,6 +22,7 @@ fn free(mesh: &Mesh) -> Anchors {
         fixed: vec![false; count],
         normals: vec![[0.0, 0.0, 1.0]; count],
         axes: vec![[1.0, 0.0, 0.0]; count],
+        factors: Vec::new(),
     }
 }
 
@@ -422,7 +423,7 @@ fn torus(n: u32, split: f64, seed: u64) -> (Mesh, Anchors) {
         }
     }
     let fixed = vec![false; torus.points.len()];
-    (torus, Anchors { feature_edges: Vec::new(), fixed, normals, axes })
+    (torus, Anchors { feature_edges: Vec::new(), fixed, normals, axes, factors: Vec::new() })
 }
 
 #[test]

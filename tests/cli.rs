@@ -157,6 +157,7 @@ fn options_reach_the_mesher() {
         ("max-angle", mesh(&["--max-angle", "10"])),
         ("holes", mesh(&["--holes", "leave", "--max-angle", "10"])),
         ("smoothing", mesh(&["--smoothing", "0"])),
+        ("aspect", mesh(&["--aspect", "2", "--guide", "0.1,0.5,0,1,0,0"])),
     ] {
         assert_ne!(changed, plain, "{name} changes nothing");
     }
@@ -279,6 +280,37 @@ fn bad_guides_are_refused_with_their_line() {
 }
 
 #[test]
+fn the_program_says_where_tiles_are_no_rectangles() {
+    let desk = Desk::new();
+    desk.put("square.obj", format!("{SQUARE}f 1 2 3 4\n"));
+    for command in ["mesh", "mosaic"] {
+        let surface = |name: &'static str| [command, name, "--points", "400", "--aspect", "3", "-o", "out.obj"];
+        let said = desk.refusal(1, &surface("example:sphere:2000"));
+        assert!(said.contains("example:sphere:2000: rectangular tiles need a guide"), "{command}: {said}");
+        let guided =
+            [&surface("example:sphere:2000")[..], &["--guide", "1,0,0,0,0,1", "--report", "out.json"]].concat();
+        let output = desk.run(&guided);
+        let warning = text(&output.stderr);
+        assert!(output.status.success() && warning.starts_with("warning: on "), "{command}: {warning}");
+        assert!(
+            warning.contains("instead of 3 to 1: the field is only a cross about 8 points"),
+            "{command}: {warning}"
+        );
+        assert!(text(&output.stdout).contains("; tiles 3 to 1, squares on "), "{command}");
+        let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+        assert_eq!(report["field"]["stretch"]["odd_singularities"], 8);
+        // On a square there is no singularity.
+        let silent = [&surface("square.obj")[..], &["--guide", "0.5,0.5,0,1,0,0"]].concat();
+        assert_eq!(text(&desk.run(&silent).stderr), "", "{command}");
+        fs::remove_file(desk.path("out.obj")).expect("it was written");
+        fs::remove_file(desk.path("out.json")).expect("it was written");
+    }
+    let fitted =
+        ["mesh", "example:torus:2000", "--aspect", "3", "--guide", "1.4,0,0,0,0,1", "--fit", "1", "-o", "out.obj"];
+    assert!(desk.refusal(1, &fitted).contains("leave out the aspect or the fit"));
+}
+
+#[test]
 fn guides_without_effect_are_warned_of() {
     let desk = Desk::new();
     desk.put("guides.csv", "weight,x,y,z,dx,dy,dz\n# good\n,0.2,0.2,0,1,0.5,0\n2,0.2,0.2,0,0,0,1\n");
@@ -392,6 +424,7 @@ fn wrong_usage_is_told_from_failure() {
         (&["--points", "100", "--size", "1"], "cannot be used with"),
         (&["--refine-curvature", "0"], "from 1 to 90"),
         (&["--max-growth", "1"], "from 1.01 to 10"),
+        (&["--aspect", "0.5"], "the longer side over the shorter one, a number from 1 to 20"),
         (&["--size", "0"], "a length is a number above 0"),
         (&["--size", "inf"], "a length is a number above 0"),
         (&["--crease", "200"], "the angle is a number from 1 to 180"),
@@ -448,9 +481,9 @@ fn check_tells_good_from_broken() {
     desk.put("broken.obj", format!("v 5 5 5\n{SQUARE}f 2 3 4 5\nf 2 3 4 5\n"));
     let output = desk.run(&["check", "broken.obj"]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(text(&output.stdout).contains("vertex 0 lies on no face at (5.000000, 5.000000, 5.000000)"));
+    assert!(text(&output.stdout).contains("vertex 0 lies on no face at (5, 5, 5)"));
     assert!(text(&output.stdout).contains("edge 1-2 has two faces on the same side"));
-    assert!(text(&output.stderr).starts_with("error: broken.obj has "), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).starts_with("error: broken.obj: 6 faults"), "{}", text(&output.stderr));
     // STL repeats points; what is one vertex is checked as one.
     let facets = [["0 0 0", "1 0 0", "0 1 0"], ["1 0 0", "1 1 0", "0 1 0"]].map(|corners| {
         format!(
@@ -463,6 +496,43 @@ fn check_tells_good_from_broken() {
     assert!(said.contains("vertices   4\n") && said.contains("no faults; Euler characteristic 1"), "{said}");
     let said = desk.refusal(1, &["check", "none.obj"]);
     assert!(said.contains("none.obj"), "{said}");
+}
+
+#[test]
+fn check_compares_with_a_surface() {
+    let desk = Desk::new();
+    desk.said(&["mesh", "example:block", "--points", "500", "-o", "mesh.obj"]);
+    let against = |more: &[&str]| desk.run(&[&["check", "mesh.obj", "--against", "example:block"], more].concat());
+    let output = against(&["--report", "good.json"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let said = text(&output.stdout);
+    assert!(said.contains("example:block: ") && said.contains("\ndifferences    none\n"), "{said}");
+    let report: Value = serde_json::from_slice(&desk.bytes("good.json")).expect("it is JSON");
+    let comparison = &report["against"]["comparison"];
+    assert_eq!(comparison["topology"]["euler"], report["faults"]["euler"]);
+    assert!(comparison["hausdorff"].as_f64().is_some_and(|distance| distance < 0.5), "{comparison}");
+    let edges = |comparison: &Value| comparison["features"]["edges"].as_u64().unwrap_or(0);
+    assert!(edges(comparison) > 0);
+    // With no crease the block has no feature.
+    assert!(against(&["--crease", "180", "--report", "smooth.json"]).status.success());
+    let report: Value = serde_json::from_slice(&desk.bytes("smooth.json")).expect("it is JSON");
+    assert_eq!(edges(&report["against"]["comparison"]), 0);
+
+    // Without its last face it has a hole, and the report has its place.
+    let whole = text(&desk.bytes("mesh.obj"));
+    let (cut, _) = whole.trim_end().rsplit_once('\n').expect("it has lines");
+    desk.put("mesh.obj", cut);
+    let output = against(&["--report", "hole.json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = text(&output.stderr);
+    assert!(said.starts_with("error: mesh.obj: 1 fault; the Euler characteristic is -1, the surface's 0"), "{said}");
+    let report: Value = serde_json::from_slice(&desk.bytes("hole.json")).expect("it is JSON");
+    assert!(report["faults"]["list"][0]["kind"]["Hole"]["sides"].is_u64(), "{report}");
+
+    let said = desk.refusal(1, &["check", "mesh.obj", "--report", "mesh.obj"]);
+    assert!(said.contains("the same file"), "{said}");
+    let said = desk.refusal(2, &["check", "mesh.obj", "--against", "example:bock"]);
+    assert!(said.contains("no example surface"), "{said}");
 }
 
 /// The triangles of two squares side by side as ASCII STL: solids of these names.

@@ -141,6 +141,7 @@ impl Grid {
             feature_edges: self.features.clone(),
             normals: vec![[0.0, 0.0, 1.0]; fixed.len()],
             axes: vec![[1.0, 0.0, 0.0]; fixed.len()],
+            factors: Vec::new(),
             fixed,
         };
         let result = pair(&surface, &mesh, &anchors, &below, options);

@@ -1,31 +1,75 @@
 //! `quadmosaic check`.
 
-use super::output::print;
+use super::features::FeatureArguments;
+use super::input::Input;
+use super::output::{expect_writable, print, write_json};
 use super::summary;
-use anyhow::ensure;
+use anyhow::{Context, bail};
 use clap::Args;
-use quadmosaic::mesh::check::check;
-use quadmosaic::mesh::quality::Quality;
 use quadmosaic::mesh::read_mesh;
-use std::path::PathBuf;
+use quadmosaic::report::CheckReport;
+use quadmosaic::surface::Surface;
+use std::path::{Path, PathBuf};
 
-/// Checks and measures a polygon mesh
+/// Checks and measures a polygon mesh, perhaps against the surface that it stands for
 ///
 /// Lists broken invariants with their places (vertices and faces are counted from 0): vertices without a face, edges with
-/// more than two faces, faces that are turned over, repeated, degenerate or concave. The exit code is 1 where there is one.
+/// more than two faces, faces that are turned over, repeated, degenerate or concave. Against a surface also faces that look
+/// away from it, holes, vertices off it by more than an edge length, and other numbers of boundaries or parts; and it tells
+/// how far the two are from each other, and the surface's features from the mesh's edges. Where sheets of the surface meet,
+/// the mesh may branch. The exit code is 1 where anything is wrong.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// The mesh: an OBJ, PLY or STL file, told apart by content
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
+    /// The surface: such a file, -: standard input; or an example, as for `mesh`
+    #[arg(long, value_name = "SURFACE")]
+    against: Option<Input>,
+    #[command(flatten)]
+    features: FeatureArguments,
+    /// Write what is printed, and every fault, as JSON
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
 }
 
+const EXAMPLES: &str = "\
+Examples:
+  quadmosaic check quads.obj
+  quadmosaic check quads.obj --against car.stl --crease 30 --report check.json";
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.expect_writable()?;
     let mesh = read_mesh(&arguments.mesh)?;
-    let faults = check(&mesh);
-    // Measures of faces that name missing vertices mean nothing; the reader refuses those.
-    print(&summary::of_mesh(&Quality::of(&mesh), &faults))?;
-    let count = faults.list.len();
-    ensure!(count == 0, "{} has {}", arguments.mesh.display(), summary::counted(count, "fault"));
-    Ok(())
+    let name = arguments.mesh.display().to_string();
+    let surface = arguments.against.as_ref().map(|input| arguments.surface(input)).transpose()?;
+    let against = surface.as_ref().map(|(name, surface)| (name.as_str(), surface));
+    let report = CheckReport::new(&name, &mesh, against);
+    if let Some(path) = &arguments.report {
+        write_json(path, &report)?;
+    }
+    print(&summary::of_check(&report))?;
+    match summary::faults_of(&report) {
+        None => Ok(()),
+        Some(faults) => bail!("{name}: {faults}"),
+    }
+}
+
+impl Arguments {
+    fn expect_writable(&self) -> anyhow::Result<()> {
+        let Some(report) = &self.report else { return Ok(()) };
+        let mut taken: Vec<&Path> = vec![&self.mesh];
+        if let Some(Input::File(path)) = &self.against {
+            taken.push(path);
+        }
+        expect_writable(report, &taken)
+    }
+
+    fn surface(&self, input: &Input) -> anyhow::Result<(String, Surface)> {
+        let (soup, name, options) = (input.read(None)?, input.to_string(), self.features.options());
+        let edges = self.features.edges()?;
+        let surface = Surface::new(&soup, &options).and_then(|surface| surface.with_edges(&soup, &edges, &options));
+        Ok((name.clone(), surface.context(name)?))
+    }
 }

@@ -7,7 +7,7 @@ use super::output::{expect_writable, obj_path, picture_path, print, write_json};
 use super::picture;
 use super::rows::{Rows, warn_of};
 use super::summary;
-use super::weave::Weave;
+use super::weave::{Weave, warn_of_stretch};
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -147,6 +147,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         print(&summary::of_run(&report))?;
     }
     warn_of(outcome.field.guides());
+    warn_of_stretch(report.field.stretch.as_ref());
     warn_of_repairs(&report.surface.repairs);
     if !report.faults.is_clean() {
         eprintln!("warning: {} has {}", arguments.output.display(), report.faults);
@@ -210,6 +211,7 @@ impl Arguments {
             rows: self.weave.rows(),
             fit: self.weave.fit,
             fit_range: self.weave.fit_range,
+            aspect: self.weave.aspect,
             sizes: self.wanted.sizes()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {

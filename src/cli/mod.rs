@@ -4,6 +4,7 @@ mod backend;
 mod check;
 mod devices;
 mod example;
+mod features;
 mod field;
 mod fineness;
 mod input;

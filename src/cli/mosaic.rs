@@ -5,7 +5,7 @@ use super::fineness::Wanted;
 use super::input::Source;
 use super::output::{expect_writable, picture_path, print, tiles_path, write_json};
 use super::rows::{Rows, warn_of};
-use super::weave::Weave;
+use super::weave::{Weave, warn_of_stretch};
 use super::{picture, summary};
 use anyhow::Context;
 use clap::Args;
@@ -83,6 +83,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         rows: weave.rows(),
         fit: weave.fit,
         fit_range: weave.fit_range,
+        aspect: weave.aspect,
         ..Options::new(wanted.fineness())
     };
     machine.start_threads()?;
@@ -117,5 +118,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         print(&summary::of_mosaic(&report))?;
     }
     warn_of(field.guides());
+    warn_of_stretch(report.field.stretch.as_ref());
     Ok(())
 }

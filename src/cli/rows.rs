@@ -1,28 +1,20 @@
 //! What rows are to follow: arguments that `mesh` and `field` share.
 
+use super::features::FeatureArguments;
 use super::mesh::{degrees, number};
 use clap::Args;
 use quadmosaic::field::{Align, FieldOptions, Guide, GuideReport, read_guides};
-use quadmosaic::surface::{FeatureOptions, NamedEdge, read_edges};
+use quadmosaic::surface::{FeatureOptions, NamedEdge};
 use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct Rows {
-    /// Dihedral angle in degrees (1 to 180) over which an edge is a crease that the mesh keeps; 180: none is
-    #[arg(long, value_name = "ANGLE", default_value_t = 40.0, value_parser = degrees::<180>, help_heading = "Rows")]
-    crease: f64,
+    #[command(flatten)]
+    features: FeatureArguments,
     /// Angle in degrees (1 to 180) by which a smooth surface must turn within one tile for the line of sharpest turn to carry
     /// a row, as on the nose of a wing; 180: none does
     #[arg(long, value_name = "ANGLE", default_value_t = 60.0, value_parser = degrees::<180>, help_heading = "Rows")]
     ridge: f64,
-    /// Let rows pass the borders of regions (OBJ groups, STL solids) as if they were not there; each face still has the name
-    /// of its region
-    #[arg(long, help_heading = "Rows")]
-    ignore_regions: bool,
-    /// Edges to keep whatever their angle, from a file: on each line two vertex numbers of IN, counted from 1, or two points
-    /// (X,Y,Z,X,Y,Z); a straight line of edges may be named by its ends
-    #[arg(long, value_name = "FILE", help_heading = "Rows")]
-    feature_edges: Vec<PathBuf>,
     /// A guide: rows run along DX,DY,DZ near the point X,Y,Z, and within the distance R of it; exactly, or, where a weight W is
     /// given, drawn so strongly: 1 about as much as by the surroundings, 10 nearly all the way. May be given many times
     #[arg(long = "guide", value_name = "X,Y,Z,DX,DY,DZ[,R[,W]]", allow_hyphen_values = true, help_heading = "Rows")]
@@ -41,12 +33,7 @@ pub struct Rows {
 impl Rows {
     /// What counts as a feature.
     pub fn features(&self) -> FeatureOptions {
-        FeatureOptions {
-            crease: self.crease,
-            ridge: self.ridge,
-            region_borders: !self.ignore_regions,
-            ..FeatureOptions::default()
-        }
+        FeatureOptions { ridge: self.ridge, ..self.features.options() }
     }
 
     /// The edges that are features whatever their angle.
@@ -54,11 +41,7 @@ impl Rows {
     /// # Errors
     /// Where a file of edges cannot be read.
     pub fn edges(&self) -> anyhow::Result<Vec<NamedEdge>> {
-        let mut edges = Vec::new();
-        for file in &self.feature_edges {
-            edges.extend(read_edges(file)?);
-        }
-        Ok(edges)
+        self.features.edges()
     }
 
     /// What draws the field beside features.

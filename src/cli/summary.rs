@@ -1,10 +1,10 @@
 //! Figures for a person: a name and what there is to say, a line each.
 
-use quadmosaic::mesh::check::Faults;
+use quadmosaic::mesh::compare::{Comparison, Difference, Farthest, FeatureDistance};
 use quadmosaic::mesh::pair::PairCounts;
 use quadmosaic::mesh::quality::{Quality, Spread};
-use quadmosaic::report::{Asked, FieldFigures, FieldReport, Input, MosaicReport, Report};
-use quadmosaic::surface::Repairs;
+use quadmosaic::report::{Against, Asked, CheckReport, FieldFigures, FieldReport, Input, MosaicReport, Report};
+use quadmosaic::surface::{Repairs, shown};
 
 /// All of a run.
 pub fn of_run(report: &Report) -> String {
@@ -59,18 +59,64 @@ pub fn of_mosaic(report: &MosaicReport) -> String {
     ])
 }
 
-/// A mesh alone.
-pub fn of_mesh(mesh: &Quality, faults: &Faults) -> String {
-    lines(&[
+/// A mesh, alone or against a surface.
+pub fn of_check(report: &CheckReport) -> String {
+    let mut entries = report.mesh.as_ref().map(measures).unwrap_or_default();
+    entries.push(("check", report.faults.to_string()));
+    if let Some(Against { surface: input, comparison }) = &report.against {
+        entries.extend([
+            ("surface", surface(input)),
+            ("repairs", repairs(&input.repairs)),
+            ("features", features(input)),
+        ]);
+        match comparison {
+            Some(comparison) => entries.extend(compared(comparison)),
+            None => entries.push(("Hausdorff", "none: the mesh has no extent".to_owned())),
+        }
+    }
+    lines(&entries)
+}
+
+fn measures(mesh: &Quality) -> Vec<(&'static str, String)> {
+    vec![
         ("vertices", mesh.vertices.to_string()),
         ("faces", faces(mesh)),
+        ("edges", format!("{:.4e} in the mean, deviation {:.1} %", mesh.mean_edge, 100.0 * mesh.edge_cv)),
         ("Qr", format!("{:.3}", mesh.qr)),
         ("Qg", spread(mesh.qg)),
         ("Tg", spread(mesh.tg)),
         ("Jacobian", jacobian(mesh)),
         ("irregular", irregular(mesh)),
-        ("check", faults.to_string()),
-    ])
+    ]
+}
+
+fn compared(comparison: &Comparison) -> Vec<(&'static str, String)> {
+    let Comparison { to_surface, to_mesh, hausdorff, features, differences, .. } = comparison;
+    let farthest = |of: &Farthest| format!("{:.3} at {}", of.distance, shown(&of.at));
+    let mut entries = vec![
+        ("Hausdorff", format!("{hausdorff:.3} mean edge lengths")),
+        ("  of mesh", farthest(to_surface)),
+        ("  of surface", farthest(to_mesh)),
+    ];
+    if let Some(FeatureDistance { edges, p99, max, .. }) = features {
+        let edges = counted(*edges, "edge");
+        entries.push(("  of features", format!("{}, {p99:.3} for 99 % of {edges}", farthest(max))));
+    }
+    let differences: Vec<String> = differences.iter().map(ToString::to_string).collect();
+    entries.push(("differences", if differences.is_empty() { "none".to_owned() } else { differences.join("; ") }));
+    entries
+}
+
+/// What is wrong with a mesh, in a sentence.
+pub fn faults_of(report: &CheckReport) -> Option<String> {
+    let differences = report.differences();
+    if let Some(size @ Difference::Size { .. }) = differences.first() {
+        // All else follows from it.
+        return Some(size.to_string());
+    }
+    let faults = Some(report.faults.list.len()).filter(|count| *count > 0).map(|count| counted(count, "fault"));
+    let said: Vec<String> = faults.into_iter().chain(differences.iter().map(ToString::to_string)).collect();
+    (!said.is_empty()).then(|| said.join("; "))
 }
 
 /// `1 corner`, `2 corners`, `0 vertices`.
@@ -116,7 +162,11 @@ fn field(figures: &FieldFigures) -> String {
         0 => String::new(),
         count => format!("; {}", counted(count, "guide")),
     };
-    format!("{free}{corners}, the sum of indices is {}{guides}", figures.index_sum)
+    let stretch = figures.stretch.map_or_else(String::new, |stretch| {
+        let squares = 100.0 * (stretch.nearly_square + stretch.unguided);
+        format!("; tiles {} to 1, squares on {squares:.1} % of the area", stretch.aspect)
+    });
+    format!("{free}{corners}, the sum of indices is {}{guides}{stretch}", figures.index_sum)
 }
 
 fn repairs(repairs: &Repairs) -> String {

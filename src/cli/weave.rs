@@ -1,7 +1,9 @@
-//! Whether rows end: arguments that `mesh` and `mosaic` share.
+//! How rows are laid: arguments that `mesh` and `mosaic` share.
 
 use super::mesh::number;
+use super::summary;
 use clap::{Args, ValueEnum};
+use quadmosaic::field::{ASPECTS, StretchReport};
 use quadmosaic::mosaic::Rows;
 
 #[derive(Args)]
@@ -15,6 +17,11 @@ pub struct Weave {
     /// The largest side over the mean one, and the mean over the smallest, that --fit may ask for
     #[arg(long, value_name = "FACTOR", default_value_t = 2.5, value_parser = range, help_heading = "Rows")]
     pub fit_range: f64,
+    /// Rectangular tiles: their longer side, which lies along the guides, over the shorter one (1 to 20), the area being that
+    /// of the square. Needs a guide; where the field has no direction but a cross, about singularities of a quarter turn, tiles
+    /// are squares. Not with --fit
+    #[arg(long, value_name = "RATIO", default_value_t = 1.0, value_parser = aspect, help_heading = "Rows")]
+    pub aspect: f64,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -34,6 +41,41 @@ impl Weave {
             RowEnds::Continuous => Rows::Continuous,
         }
     }
+}
+
+/// Says where tiles are not as long as was asked for.
+pub fn warn_of_stretch(stretch: Option<&StretchReport>) {
+    let Some(&StretchReport { aspect, odd_singularities, nearly_square, unguided }) = stretch else { return };
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    if nearly_square > 0.0 {
+        eprintln!(
+            "warning: on {} of the area tiles are squares or nearly so instead of {aspect} to 1: {}",
+            percent(nearly_square),
+            match odd_singularities {
+                0 => "guides contradict each other there".to_owned(),
+                count => format!(
+                    "the field is only a cross about {}, which have no longer side; guides may move or remove them",
+                    summary::counted(count, "point")
+                ),
+            }
+        );
+    }
+    if unguided > 0.0 {
+        eprintln!(
+            "warning: no guide reaches {} of the area, whose tiles are squares; give each part of the surface a guide",
+            percent(unguided)
+        );
+    }
+}
+
+fn aspect(text: &str) -> Result<f64, String> {
+    number(text, ASPECTS).ok_or_else(|| {
+        format!(
+            "the aspect is the longer side over the shorter one, a number from {} to {}; guides say which side is longer",
+            ASPECTS.start(),
+            ASPECTS.end()
+        )
+    })
 }
 
 fn dial(text: &str) -> Result<f64, String> {

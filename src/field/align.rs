@@ -8,7 +8,7 @@
 //! radius `R` a deviation dies away over the length `R / sqrt(weight)`.
 
 use super::Sectors;
-use super::guides::{Grip, cross_along};
+use super::guides::{Grip, angle_along};
 use crate::surface::Surface;
 use crate::surface::curvature::{curvatures, radius_of_tile};
 use rayon::prelude::*;
@@ -41,9 +41,9 @@ pub(super) fn grips(surface: &Surface, sectors: &Sectors, align: &Align, gripped
         .filter(|&sector| !spoken[sector as usize])
         .filter_map(|sector| {
             let bend = &curvatures[surface.origin(sectors.first_corner[sector as usize]) as usize];
-            let toward = cross_along(surface, sectors, sector, bend.directions[0])?;
+            let angle = angle_along(surface, sectors, sector, bend.directions[0])?;
             let anisotropy = bend.values[0].abs() - bend.values[1].abs();
-            Some(Grip { sector, toward, density: Some(align.weight * anisotropy.powi(2)) })
+            Some(Grip { sector, angle, density: Some(align.weight * anisotropy.powi(2)) })
         })
         .collect()
 }

@@ -200,9 +200,18 @@ impl Pull {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grip {
     pub sector: u32,
-    pub toward: Complex,
+    /// The direction, in radians from the sector's direction zero.
+    pub angle: f64,
     /// The pull's weight per area of the surface (unit-sized); `None`: the cross is fixed.
     pub density: Option<f64>,
+}
+
+impl Grip {
+    /// The cross that has the direction.
+    pub fn toward(&self) -> Complex {
+        let (s, c) = (4.0 * self.angle).sin_cos();
+        [c as f32, s as f32]
+    }
 }
 
 /// The pull on each sector: features fix theirs to run along the feature, grips draw the others.
@@ -211,7 +220,7 @@ pub(crate) fn pulls(surface: &Surface, sectors: &Sectors, grips: &[Grip]) -> Vec
     let mut pulls: Vec<Pull> = sectors.quarters.iter().map(along).collect();
     for grip in grips {
         let weight = |density: f64| (density * sector_area(surface, sectors, grip.sector)) as f32;
-        pulls[grip.sector as usize].add(grip.toward, grip.density.map_or(f32::INFINITY, weight));
+        pulls[grip.sector as usize].add(grip.toward(), grip.density.map_or(f32::INFINITY, weight));
     }
     pulls.iter_mut().filter(|pull| pull.weight > 0.0).for_each(Pull::settle);
     pulls
@@ -348,17 +357,17 @@ impl<'a> Reach<'a> {
     /// The grips, and what is wrong with the guide.
     fn grip(&self, guide: &Guide) -> (Vec<Grip>, GuideReport) {
         let free = |sector: u32| self.sectors.quarters[sector as usize] == 0;
-        let held: Vec<(u32, Complex)> = self
+        let held: Vec<(u32, f64)> = self
             .reached
             .iter()
             .filter(|(sector, _)| free(**sector))
             .filter_map(|(&sector, &(_, part))| {
-                Some((sector, cross_along(self.surface, self.sectors, sector, self.parts[part].direction)?))
+                Some((sector, angle_along(self.surface, self.sectors, sector, self.parts[part].direction)?))
             })
             .collect();
         let area: f64 = held.iter().map(|&(sector, _)| sector_area(self.surface, self.sectors, sector)).sum();
         let density = guide.weight.map(|weight| TAU * weight / area.max(f64::MIN_POSITIVE));
-        let grips = held.iter().map(|&(sector, toward)| Grip { sector, toward, density }).collect();
+        let grips = held.iter().map(|&(sector, angle)| Grip { sector, angle, density }).collect();
 
         let diagonal = self.surface.frame().diagonal;
         let (distance, limit) = (self.farthest * diagonal, self.limit * diagonal);
@@ -382,8 +391,9 @@ fn sector_area(surface: &Surface, sectors: &Sectors, sector: u32) -> f64 {
     sectors.corners(surface, sector).map(|corner| f64::from(surface.double_area(corner as usize / 3)) / 6.0).sum()
 }
 
-/// The cross of a whole sector that has a direction in space; `None` where that points along the normal.
-pub(crate) fn cross_along(surface: &Surface, sectors: &Sectors, sector: u32, direction: DVec3) -> Option<Complex> {
+/// A direction in space as a whole sector sees it, in radians from its direction zero; `None` where it points along the
+/// normal.
+pub(crate) fn angle_along(surface: &Surface, sectors: &Sectors, sector: u32, direction: DVec3) -> Option<f64> {
     let angle = |corner: u32| {
         let [o, p, q] =
             [corner, next(corner), previous(corner)].map(|h| surface.points[surface.origin(h) as usize].as_dvec3());
@@ -403,6 +413,5 @@ pub(crate) fn cross_along(surface: &Surface, sectors: &Sectors, sector: u32, dir
     // The same angle on the side of the corner's middle.
     let middle = sectors.corner_angle(corner) / 2.0;
     let angle = angle + if angle < middle - PI { TAU } else { 0.0 };
-    let (s, c) = (4.0 * sectors.direction(corner, angle)).sin_cos();
-    Some([c as f32, s as f32])
+    Some(sectors.direction(corner, angle))
 }

@@ -19,10 +19,12 @@ mod align;
 mod guide_file;
 mod guides;
 pub(crate) mod hierarchy;
+pub(crate) mod matching;
 mod outset;
 mod sectors;
 mod singularities;
 pub mod smooth;
+mod stretch;
 
 pub use align::Align;
 pub use guide_file::{GuideFault, GuideFileError, read_guides};
@@ -30,6 +32,7 @@ pub use guides::{Guide, GuideReport, GuideTrouble, Trace};
 pub use hierarchy::{Hierarchy, Level, Link, MIRRORED, Row};
 pub use sectors::Sectors;
 pub use singularities::{Seat, Singularity};
+pub use stretch::{ASPECTS, Stretch, StretchError, StretchReport};
 
 use crate::compute::{Backend, ComputeError};
 use crate::geometry::{cross, fourth_root, unit};
@@ -64,6 +67,7 @@ pub struct Field {
     in_triangles: Vec<[Complex; 3]>,
     guides: Vec<GuideReport>,
     sizes: Sizes,
+    stretch: Option<Stretch>,
 }
 
 impl Field {
@@ -79,13 +83,23 @@ impl Field {
         }
         let hierarchy = Hierarchy::new(surface, &sectors, &guides::pulls(surface, &sectors, &grips));
         let crosses = backend.smooth(&hierarchy)?;
-        let in_triangles = sectors.in_triangles(&crosses);
-        Ok(Self { sectors, crosses, in_triangles, guides, sizes: Sizes::equal() })
+        let in_triangles = sectors.in_triangles(&crosses, 4.0);
+        Ok(Self { sectors, crosses, in_triangles, guides, sizes: Sizes::equal(), stretch: None })
     }
 
     /// The same field for tiles of these sizes.
     pub fn with_sizes(self, sizes: Sizes) -> Self {
         Self { sizes, ..self }
+    }
+
+    /// The same field for tiles stretched like this.
+    pub fn with_stretch(self, stretch: Stretch) -> Self {
+        Self { stretch: Some(stretch), ..self }
+    }
+
+    /// How tiles are stretched; `None`, as it is made: they are squares.
+    pub fn stretch(&self) -> Option<&Stretch> {
+        self.stretch.as_ref()
     }
 
     /// How large tiles are to be; as it is made, equal.

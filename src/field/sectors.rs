@@ -156,8 +156,9 @@ impl Sectors {
         self.begin[half_edge as usize] - self.end[next(half_edge) as usize]
     }
 
-    /// The crosses at the three corners of each triangle, against the triangle's first edge.
-    pub(crate) fn in_triangles(&self, crosses: &[Complex]) -> Vec<[Complex; 3]> {
+    /// The representation numbers at the three corners of each triangle, against the triangle's first edge: 4 times the angle
+    /// for crosses, `times` in general.
+    pub(crate) fn in_triangles(&self, numbers: &[Complex], times: f64) -> Vec<[Complex; 3]> {
         (0..self.of_corner.len() / 3)
             .into_par_iter()
             .map(|t| {
@@ -167,16 +168,16 @@ impl Sectors {
                     let c = 3 * t + k;
                     let middle = (self.begin[c] + self.end[c]) / 2.0;
                     let turn = edge[k] + self.corner_angle[c] / 2.0 - middle;
-                    rotate(crosses[self.of_corner[c] as usize], turn)
+                    turned(numbers[self.of_corner[c] as usize], times * turn)
                 })
             })
             .collect()
     }
 }
 
-/// Turns a representation number by a tangent angle in radians.
-pub(crate) fn rotate(z: Complex, angle: f64) -> Complex {
-    let (s, c) = (4.0 * angle).sin_cos();
+/// A complex number turned by an angle in radians.
+fn turned(z: Complex, angle: f64) -> Complex {
+    let (s, c) = angle.sin_cos();
     let [x, y] = z.map(f64::from);
     [(x * c - y * s) as f32, (x * s + y * c) as f32]
 }
@@ -334,7 +335,7 @@ mod tests {
                 };
                 assert_eq!(singular(field.crosses()), vec![1; wanted], "{name} of {triangles} triangles");
                 let mut other = field.crosses().to_vec();
-                other[1_000] = rotate(other[1_000], FRAC_PI_2 / 2.0);
+                other[1_000] = turned(other[1_000], TAU / 2.0);
                 assert_ne!(singular(&other), vec![1; wanted], "{name}: a wrong cross is seen");
             }
         }
@@ -342,10 +343,11 @@ mod tests {
 
     #[test]
     fn a_cross_turned_by_a_quarter_is_the_same() {
-        let z = rotate([1.0, 0.0], 0.3);
-        let turned = rotate(z, FRAC_PI_2);
-        assert!((z[0] - turned[0]).abs() < 1e-6 && (z[1] - turned[1]).abs() < 1e-6);
-        let eighth = rotate(z, FRAC_PI_2 / 2.0);
+        let cross = |angle: f64| turned([1.0, 0.0], 4.0 * angle);
+        let z = cross(0.3);
+        let quarter = cross(0.3 + FRAC_PI_2);
+        assert!((z[0] - quarter[0]).abs() < 1e-6 && (z[1] - quarter[1]).abs() < 1e-6);
+        let eighth = cross(0.3 + FRAC_PI_2 / 2.0);
         assert!((z[0] + eighth[0]).abs() < 1e-6 && (z[1] + eighth[1]).abs() < 1e-6, "an eighth is the farthest");
     }
 }

@@ -1,14 +1,17 @@
 //! What a mesh must hold, and where it does not.
 
 use super::Mesh;
-use crate::mesh::quality::quad_shape;
-use glam::DVec3;
+use super::quality::quad_shape;
+use super::topology::{Connections, Topology};
+use crate::surface::shown;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::cmp::Ordering;
 use std::fmt;
+use std::mem::discriminant;
 
 /// One broken invariant.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
 #[non_exhaustive]
 pub enum Kind {
     /// A coordinate of the vertex is infinite or not a number.
@@ -27,10 +30,16 @@ pub enum Kind {
     RepeatedVertex { face: u32, vertex: u32 },
     /// The face has the vertices of an earlier face.
     DuplicateFace { face: u32, earlier: u32 },
-    /// The face has fewer than three sides, or its area is below 1e-6 of the squared mean edge length.
+    /// The face has fewer than three sides, or its area is no more than 1e-6 of the squared mean edge length.
     DegenerateFace { face: u32, area: f64 },
     /// A corner of the quad is straight or reflex against the quad's normal.
     ConcaveQuad { face: u32 },
+    /// The face looks away from the surface that is nearest to its middle.
+    FlippedFace { face: u32 },
+    /// A boundary of so many sides, from this vertex on, is none of the surface's.
+    Hole { vertex: u32, sides: u32 },
+    /// The vertex is farther from the surface than a mean edge is long: so many mean edge lengths.
+    StrayVertex { vertex: u32, distance: f64 },
 }
 
 /// A broken invariant and its place.
@@ -38,7 +47,7 @@ pub enum Kind {
 pub struct Fault {
     /// What is broken, with the ids of vertices, edge or face.
     pub kind: Kind,
-    /// The vertex, the middle of the edge or the mean of the face's vertices.
+    /// The vertex, the middle of the edge or the mean of the vertices of the face or the hole.
     pub at: [f64; 3],
 }
 
@@ -55,9 +64,13 @@ impl fmt::Display for Fault {
             Kind::DuplicateFace { face, earlier } => write!(f, "face {face} repeats face {earlier}")?,
             Kind::DegenerateFace { face, area } => write!(f, "face {face} is degenerate (area {area:.3e})")?,
             Kind::ConcaveQuad { face } => write!(f, "quad {face} is concave")?,
+            Kind::FlippedFace { face } => write!(f, "face {face} looks away from the surface")?,
+            Kind::StrayVertex { vertex, distance } => {
+                write!(f, "vertex {vertex} is {distance:.3} edge lengths off the surface")?;
+            }
+            Kind::Hole { vertex, sides } => write!(f, "a hole of {sides} sides, one at vertex {vertex},")?,
         }
-        let [x, y, z] = self.at;
-        write!(f, " at ({x:.6}, {y:.6}, {z:.6})")
+        write!(f, " at {}", shown(&self.at))
     }
 }
 
@@ -84,10 +97,19 @@ impl Faults {
     pub fn count(&self, which: impl Fn(&Kind) -> bool) -> usize {
         self.list.iter().filter(|fault| which(&fault.kind)).count()
     }
+
+    /// How many triangles would cover all holes.
+    pub fn hole_triangles(&self) -> usize {
+        let covering = |fault: &Fault| match fault.kind {
+            Kind::Hole { sides, .. } => (sides as usize).saturating_sub(2).max(1),
+            _ => 0,
+        };
+        self.list.iter().map(covering).sum()
+    }
 }
 
 impl fmt::Display for Faults {
-    /// One line, and one more for each of the first few faults.
+    /// One line, and one more for each of the first few faults of each kind.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const SHOWN: usize = 5;
         match self.list.len() {
@@ -100,13 +122,15 @@ impl fmt::Display for Faults {
             "; Euler characteristic {}, boundary loops {}, components {}",
             self.euler, self.boundary_loops, self.components
         )?;
-        for fault in self.list.iter().take(SHOWN) {
-            write!(f, "\n  {fault}")?;
+        for alike in self.list.chunk_by(|a, b| discriminant(&a.kind) == discriminant(&b.kind)) {
+            for fault in alike.iter().take(SHOWN) {
+                write!(f, "\n  {fault}")?;
+            }
+            if alike.len() > SHOWN {
+                write!(f, "\n  and {} more", alike.len() - SHOWN)?;
+            }
         }
-        match self.list.len().saturating_sub(SHOWN) {
-            0 => Ok(()),
-            more => write!(f, "\n  and {more} more"),
-        }
+        Ok(())
     }
 }
 
@@ -124,16 +148,14 @@ pub fn check_joined(mesh: &Mesh, branches: &[bool]) -> Faults {
     if !missing.is_empty() {
         return Faults { list: missing, ..Faults::default() };
     }
-    let edges = mesh.edges();
-    let point = |vertex: u32| DVec3::from(mesh.points[vertex as usize]);
-    let middle = |ends: [u32; 2]| ((point(ends[0]) + point(ends[1])) / 2.0).to_array();
+    let Connections { edges, fans, topology, .. } = Connections::of(mesh);
+    let middle = |ends: [u32; 2]| mesh.middle(&ends).to_array();
 
     let mut list: Vec<Fault> = (0_u32..)
         .zip(&mesh.points)
         .filter(|(_, point)| !point.iter().all(|x| x.is_finite()))
         .map(|(vertex, &at)| Fault { kind: Kind::NonFinite { vertex }, at })
         .collect();
-    let fans = fans(mesh);
     list.extend((0_u32..).zip(&fans).filter_map(|(vertex, &fans)| {
         let kind = match fans {
             0 => Kind::IsolatedVertex { vertex },
@@ -154,68 +176,29 @@ pub fn check_joined(mesh: &Mesh, branches: &[bool]) -> Faults {
             list.push(Fault { kind: Kind::MisorientedEdge { edge: ends }, at: middle(ends) });
         }
     }
-    let length = edges.iter().map(|edge| point(edge.ends[0]).distance(point(edge.ends[1]))).sum::<f64>();
-    let mean_edge = length / edges.len().max(1) as f64;
+    let mean_edge = mesh.lengths(&edges).iter().sum::<f64>() / edges.len().max(1) as f64;
     list.extend(face_faults(mesh, 1e-6 * mean_edge * mean_edge));
+    sort(&mut list);
 
-    let used = fans.iter().filter(|fans| **fans > 0).count();
-    Faults {
-        list,
-        euler: used as i64 - edges.len() as i64 + mesh.face_count() as i64,
-        boundary_loops: boundary_loops(mesh, &edges),
-        components: components(mesh),
-    }
+    let Topology { euler, boundary_loops, components } = topology;
+    Faults { list, euler, boundary_loops, components }
 }
 
-fn center(mesh: &Mesh, face: &[u32]) -> [f64; 3] {
-    let known = face.iter().filter_map(|vertex| mesh.points.get(*vertex as usize));
-    let sum: DVec3 = known.clone().map(|point| DVec3::from(*point)).sum();
-    (sum / known.count().max(1) as f64).to_array()
+/// Puts faults in the order of [`Faults::list`].
+pub(super) fn sort(list: &mut [Fault]) {
+    list.sort_by(|a, b| a.kind.partial_cmp(&b.kind).unwrap_or(Ordering::Equal));
 }
 
 fn missing_vertices(mesh: &Mesh) -> Vec<Fault> {
     let mut list = Vec::new();
     for (id, face) in (0..).zip(mesh.faces()) {
         if let Some(&vertex) = face.iter().find(|vertex| **vertex as usize >= mesh.points.len()) {
-            list.push(Fault { kind: Kind::MissingVertex { face: id, vertex }, at: center(mesh, face) });
+            let known: Vec<u32> = face.iter().copied().filter(|v| (*v as usize) < mesh.points.len()).collect();
+            let kind = Kind::MissingVertex { face: id, vertex };
+            list.push(Fault { kind, at: mesh.middle(&known).to_array() });
         }
     }
     list
-}
-
-/// For each vertex, into how many fans its faces fall when they are joined across the edges at it.
-fn fans(mesh: &Mesh) -> Vec<u32> {
-    let mut starts = vec![0_u32; mesh.points.len() + 1];
-    for &vertex in &mesh.corners {
-        starts[vertex as usize + 1] += 1;
-    }
-    for vertex in 1..starts.len() {
-        starts[vertex] += starts[vertex - 1];
-    }
-    // The neighbours of each vertex before and after it in each of its faces.
-    let mut wings = vec![[0_u32; 2]; mesh.corners.len()];
-    let mut place = starts.clone();
-    for face in mesh.faces() {
-        for (k, &vertex) in face.iter().enumerate() {
-            let slot = &mut place[vertex as usize];
-            wings[*slot as usize] = [face[(k + face.len() - 1) % face.len()], face[(k + 1) % face.len()]];
-            *slot += 1;
-        }
-    }
-    starts
-        .par_windows(2)
-        .map(|range| {
-            let wings = &wings[range[0] as usize..range[1] as usize];
-            let mut spokes: Vec<(u32, u32)> =
-                (0..).zip(wings).flat_map(|(id, [before, after])| [(*before, id), (*after, id)]).collect();
-            spokes.sort_unstable();
-            let mut sets = Sets::new(wings.len());
-            for pair in spokes.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-                sets.join(pair[0].1, pair[1].1);
-            }
-            sets.count as u32
-        })
-        .collect()
 }
 
 fn face_faults(mesh: &Mesh, least_area: f64) -> Vec<Fault> {
@@ -229,7 +212,7 @@ fn face_faults(mesh: &Mesh, least_area: f64) -> Vec<Fault> {
         rest = after;
     }
     let mut list = Vec::new();
-    let mut report = |kind, id: u32| list.push(Fault { kind, at: center(mesh, mesh.face(id as usize)) });
+    let mut report = |kind, id: u32| list.push(Fault { kind, at: mesh.middle(mesh.face(id as usize)).to_array() });
     for (slice, face) in &slices {
         if let Some(pair) = slice.windows(2).find(|pair| pair[0] == pair[1]) {
             report(Kind::RepeatedVertex { face: *face, vertex: pair[0] }, *face);
@@ -245,10 +228,10 @@ fn face_faults(mesh: &Mesh, least_area: f64) -> Vec<Fault> {
         report(Kind::DuplicateFace { face, earlier }, face);
     }
     for (id, face) in (0..).zip(mesh.faces()) {
-        let point = |k: usize| DVec3::from(mesh.points[face[k] as usize]);
+        let point = |k: usize| mesh.place(face[k]);
         let area: f64 =
             (2..face.len()).map(|k| (point(k - 1) - point(0)).cross(point(k) - point(0)).length() / 2.0).sum();
-        if face.len() < 3 || area < least_area {
+        if face.len() < 3 || area <= least_area {
             report(Kind::DegenerateFace { face: id, area }, id);
         } else if let [a, b, c, d] = *face
             && quad_shape([a, b, c, d].map(|vertex| mesh.points[vertex as usize])) == 0.0
@@ -257,76 +240,4 @@ fn face_faults(mesh: &Mesh, least_area: f64) -> Vec<Fault> {
         }
     }
     list
-}
-
-/// Walks the free sides of the boundary edges; where several leave a vertex, the smallest id first.
-fn boundary_loops(mesh: &Mesh, edges: &[super::Edge]) -> usize {
-    let mut free: Vec<[u32; 2]> = edges
-        .iter()
-        .filter(|edge| edge.is_boundary())
-        .map(|edge| if edge.along > 0 { [edge.ends[1], edge.ends[0]] } else { edge.ends })
-        .collect();
-    free.sort_unstable();
-    let mut first = vec![u32::MAX; mesh.points.len()];
-    for (place, side) in free.iter().enumerate().rev() {
-        first[side[0] as usize] = place as u32;
-    }
-    let mut seen = vec![false; free.len()];
-    let mut loops = 0;
-    for start in 0..free.len() {
-        if seen[start] {
-            continue;
-        }
-        loops += 1;
-        let mut place = start;
-        loop {
-            seen[place] = true;
-            let end = free[place][1];
-            let next = first[end as usize] as usize;
-            let Some(unseen) = (next..free.len()).take_while(|k| free[*k][0] == end).find(|k| !seen[*k]) else { break };
-            place = unseen;
-        }
-    }
-    loops
-}
-
-fn components(mesh: &Mesh) -> usize {
-    let mut used = vec![false; mesh.points.len()];
-    let mut sets = Sets::new(mesh.points.len());
-    for face in mesh.faces() {
-        for &vertex in face {
-            used[vertex as usize] = true;
-            sets.join(face[0], vertex);
-        }
-    }
-    sets.count - used.iter().filter(|used| !**used).count()
-}
-
-/// Disjoint sets with path halving.
-struct Sets {
-    parent: Vec<u32>,
-    count: usize,
-}
-
-impl Sets {
-    fn new(count: usize) -> Self {
-        Self { parent: (0..count as u32).collect(), count }
-    }
-
-    fn root(&mut self, mut item: u32) -> u32 {
-        while self.parent[item as usize] != item {
-            let above = self.parent[item as usize];
-            self.parent[item as usize] = self.parent[above as usize];
-            item = self.parent[item as usize];
-        }
-        item
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        if a != b {
-            self.parent[a.max(b) as usize] = a.min(b);
-            self.count -= 1;
-        }
-    }
 }

@@ -2,15 +2,32 @@
 //!
 //! # Theory
 //! A hole is a face of more than four sides. One of `k` sides is split by chords into quads and, where `k` is odd, one
-//! triangle; dynamic programming over chords finds the split of least cost.
+//! triangle; dynamic programming over chords finds the split of least cost. Where shape is even, these are the patterns:
+//!
+//! ```text
+//!    5 sides        6 sides         7 sides             8 sides          8, a tile inside
+//!
+//!       o          o---o---o      o---o---o         o---o---o---o          o---o---o
+//!      / \         |   |   |      |   |   |\        |   |   |   |          |   |   |
+//!     o---o        |   |   |      |   |   | o       |   |   |   |          o---x---o
+//!     |   |        |   |   |      |   |   |/        |   |   |   |          |   |   |
+//!     o---o        o---o---o      o---o---o         o---o---o---o          o---o---o
+//!
+//!   a quad and     two quads    two quads and        three quads          four quads
+//!   a triangle                    a triangle
+//! ```
+//!
+//! and so on: `k / 2 - 1` quads where `k` is even, `(k - 3) / 2` and a triangle where it is odd. A quad that would fold
+//! gives way to triangles. The tile `x` had no edge: it is given two, and what is left on either side is split in its turn.
 //!
 //! # Changes versus the paper
 //! Figure 4's patterns are not in our text, and other holes were left or triangulated; here every hole is split, of any
-//! degree. What lies inside a face is known from the [triangulation](super::triangulate), so a face that is no disc (a
-//! tile without edges inside it) falls back to its triangles.
+//! degree. What lies inside a face is known from the [triangulation](super::triangulate): a face that is no disc, or of more
+//! sides than can be split at once, is cut along edges of the triangulation until it is.
 
 use super::Mesh;
 use super::intrinsic::{Intrinsic, next};
+use super::metric::{Metric, laid};
 use super::quality::{quad_shape, triangle_shape};
 use super::triangulate::Triangulation;
 use crate::surface::NONE;
@@ -60,13 +77,15 @@ struct Filler<'a> {
     /// Triangles that a region has taken.
     seen: Vec<bool>,
     chords: FxHashSet<[u32; 2]>,
+    metric: Metric,
 }
 
 impl<'a> Filler<'a> {
     fn new(triangulation: &'a Triangulation, edges: &[bool]) -> Self {
         let faces = &triangulation.faces;
         let seen = vec![false; faces.face_count()];
-        Self { triangulation, faces, edges: edges.to_vec(), seen, chords: FxHashSet::default() }
+        let metric = Metric::new(&triangulation.anchors());
+        Self { triangulation, faces, edges: edges.to_vec(), seen, chords: FxHashSet::default(), metric }
     }
 
     /// The triangles that are joined to this one across no edge of the mesh.
@@ -246,20 +265,117 @@ impl<'a> Filler<'a> {
     }
 
     fn face_cost(&self, face: &[u32]) -> f64 {
+        let frame = self.metric.frame(face);
         let points = |i: usize| self.triangulation.points[face[i] as usize];
+        let shaped = |q: DVec3| laid(frame.as_ref(), q).to_array();
         let up: DVec3 = face.iter().map(|&v| self.triangulation.tiles[v as usize].normal().as_dvec3()).sum();
         let (shape, face_normal, base) = match face.len() {
             3 => {
                 let p = [points(0), points(1), points(2)];
-                (triangle_shape(p.map(|q| q.to_array())), (p[1] - p[0]).cross(p[2] - p[0]), TRIANGLE)
+                (triangle_shape(p.map(shaped)), (p[1] - p[0]).cross(p[2] - p[0]), TRIANGLE)
             }
             _ => {
                 let p = [points(0), points(1), points(2), points(3)];
-                (quad_shape(p.map(|q| q.to_array())), (p[2] - p[0]).cross(p[3] - p[1]), 0.0)
+                (quad_shape(p.map(shaped)), (p[2] - p[0]).cross(p[3] - p[1]), 0.0)
             }
         };
         let folded = if shape <= 0.05 { FOLDED } else { 0.0 };
         let averted = if face_normal.dot(up) <= 0.0 { AVERTED } else { 0.0 };
         base + (1.0 - shape) + folded + averted
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::intrinsic::tests::plane;
+    use crate::mosaic::Tile;
+    use bytemuck::Zeroable;
+
+    /// One hole in the plane, its tiles of side 1 turned along x and y.
+    fn hole(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Triangulation {
+        let tile = Tile { normal: [0.0, 0.0, 1.0], axis: [1.0, 0.0, 0.0], h: 1.0, ..Tile::zeroed() };
+        Triangulation {
+            faces: plane(points, triangles),
+            tiles: vec![tile; points.len()],
+            sides: vec![1.0; points.len()],
+            points: points.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect(),
+            sites: 0,
+            extra: 0,
+            factors: Vec::new(),
+            same_place: (0..points.len() as u32).collect(),
+        }
+    }
+
+    /// The faces that the outline of the hole, all of its edges, is filled with: vertices and faces in ascending order.
+    fn filled(hole: &Triangulation, holes: Holes) -> Vec<Vec<u32>> {
+        let outline: Vec<bool> = hole.faces.twin.iter().map(|twin| *twin == NONE).collect();
+        let (mesh, count) = fill(hole, &outline, holes);
+        assert!(count >= 1);
+        let sorted = |face: &[u32]| {
+            let mut face = face.to_vec();
+            face.sort_unstable();
+            face
+        };
+        let mut faces: Vec<_> = mesh.faces().map(sorted).collect();
+        faces.sort();
+        faces
+    }
+
+    /// Points in a row, 1 apart.
+    fn row(count: usize, y: f64) -> impl DoubleEndedIterator<Item = [f64; 2]> + ExactSizeIterator {
+        (0..count).map(move |x| [x as f64, y])
+    }
+
+    /// Two rows of this many points, counter-clockwise, and triangles between them.
+    fn strip(count: u32) -> (Vec<[f64; 2]>, Vec<[u32; 3]>) {
+        let points = row(count as usize, 0.0).chain(row(count as usize, 1.0).rev()).collect();
+        let top = |k: u32| 2 * count - 1 - k;
+        let cell = |k: u32| [[k, k + 1, top(k + 1)], [k, top(k + 1), top(k)]];
+        (points, (0..count - 1).flat_map(cell).collect())
+    }
+
+    #[test]
+    fn holes_are_split_by_their_patterns() {
+        let (square, (six, two_cells), (eight, three_cells)) = (strip(2), strip(3), strip(4));
+        let tip = |mut points: Vec<[f64; 2]>, at: usize, mut triangles: Vec<[u32; 3]>| {
+            let (a, b) = (points[at], points[at + 1]);
+            // An equilateral triangle on the side from `a` to `b`.
+            let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+            let height = 3.0_f64.sqrt() / 2.0;
+            points.push([(a[0] + b[0]) / 2.0 + height * dy, (a[1] + b[1]) / 2.0 - height * dx]);
+            triangles.push([at as u32, points.len() as u32 - 1, at as u32 + 1]);
+            hole(&points, &triangles)
+        };
+        let house = tip(square.0, 2, square.1);
+        let seven = tip(six.clone(), 2, two_cells.clone());
+        let (six, eight) = (hole(&six, &two_cells), hole(&eight, &three_cells));
+        let nine: Vec<[f64; 2]> = (0..3).flat_map(|y| row(3, f64::from(y))).collect();
+        let cells = [0, 1, 3, 4].iter().flat_map(|&v| [[v, v + 1, v + 4], [v, v + 4, v + 3]]);
+        let ring = hole(&nine, &cells.collect::<Vec<_>>());
+        let patterns: [(&Triangulation, &[&[u32]]); 5] = [
+            (&house, &[&[0, 1, 2, 3], &[2, 3, 4]]),
+            (&six, &[&[0, 1, 4, 5], &[1, 2, 3, 4]]),
+            (&seven, &[&[0, 1, 4, 5], &[1, 2, 3, 4], &[2, 3, 6]]),
+            (&eight, &[&[0, 1, 6, 7], &[1, 2, 5, 6], &[2, 3, 4, 5]]),
+            (&ring, &[&[0, 1, 3, 4], &[1, 2, 4, 5], &[3, 4, 6, 7], &[4, 5, 7, 8]]),
+        ];
+        for (hole, pattern) in patterns {
+            assert_eq!(filled(hole, Holes::Patterns), pattern);
+            // Beside the tile of the ring a part of four sides may be left, which is no hole.
+            let quads = |faces: &[Vec<u32>]| faces.iter().filter(|face| face.len() == 4).count();
+            let triangles = filled(hole, Holes::Triangles);
+            assert!(quads(&triangles) + 1 < pattern.len(), "{pattern:?} must not come of triangles alone");
+        }
+        assert_eq!(filled(&six, Holes::Leave), [[0, 1, 2, 3, 4, 5]]);
+    }
+
+    #[test]
+    fn a_pattern_that_would_fold_gives_way() {
+        let (mut points, triangles) = strip(3);
+        // Vertex 1 is pushed up nearly to the top: between two of the quads of the pattern there is no room.
+        points[1] = [1.0, 0.97];
+        let split = filled(&hole(&points, &triangles), Holes::Patterns);
+        assert_ne!(split, [[0, 1, 4, 5], [1, 2, 3, 4]]);
     }
 }

@@ -3,23 +3,30 @@
 pub mod check;
 pub mod clean;
 mod collapse;
+pub mod compare;
 pub mod connect;
 mod edit;
 pub mod fill;
 mod intrinsic;
 pub mod join;
+mod metric;
 pub mod pair;
 pub mod quality;
 mod read;
 pub mod regions;
+mod simplices;
 pub mod smooth;
+mod topology;
 pub mod triangulate;
 pub mod unfold;
 
+pub use metric::Metric;
 pub use read::{read_mesh, read_mesh_as};
+pub use topology::Topology;
 pub use triangulate::Triangulation;
 
 use crate::surface::{Regions, Soup};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// A polygon mesh: quads, triangles and, where holes were left, larger faces; counter-clockwise seen from outside.
@@ -67,6 +74,21 @@ impl Mesh {
     /// All faces, in order.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         (0..self.face_count()).map(|index| self.face(index))
+    }
+
+    /// The place of a vertex.
+    pub(crate) fn place(&self, vertex: u32) -> DVec3 {
+        DVec3::from(self.points[vertex as usize])
+    }
+
+    /// The mean of the places of some vertices; of none, the origin.
+    pub(crate) fn middle(&self, vertices: &[u32]) -> DVec3 {
+        vertices.iter().map(|&vertex| self.place(vertex)).sum::<DVec3>() / vertices.len().max(1) as f64
+    }
+
+    /// How long each of these edges is.
+    pub(crate) fn lengths(&self, edges: &[Edge]) -> Vec<f64> {
+        edges.iter().map(|edge| self.place(edge.ends[0]).distance(self.place(edge.ends[1]))).collect()
     }
 
     /// All undirected edges, sorted by their ends; each is listed once.

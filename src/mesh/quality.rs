@@ -29,12 +29,17 @@ impl Spread {
     fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
         let min = *values.first()?;
-        let place = 0.01 * (values.len() - 1) as f64;
-        let (low, rest) = (place as usize, place.fract());
-        let high = (low + 1).min(values.len() - 1);
         let mean = values.iter().sum::<f64>() / values.len() as f64;
-        Some(Self { mean, p01: values[low] * (1.0 - rest) + values[high] * rest, min })
+        Some(Self { mean, p01: percentile(&values, 0.01), min })
     }
+}
+
+/// The value that a share of these, sorted and at least one, lies below: linear between the two nearest.
+pub(super) fn percentile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * (sorted.len() - 1) as f64;
+    let (low, rest) = (place as usize, place.fract());
+    let high = (low + 1).min(sorted.len() - 1);
+    sorted[low] * (1.0 - rest) + sorted[high] * rest
 }
 
 /// The measures of a mesh. A measure over elements that the mesh does not have is `None`.
@@ -95,15 +100,14 @@ impl Quality {
 
         let mut valence = vec![0_u32; mesh.points.len()];
         let mut boundary = vec![false; mesh.points.len()];
-        let mut lengths = Vec::new();
-        for edge in mesh.edges() {
+        let edges = mesh.edges();
+        for edge in &edges {
             for end in edge.ends.map(|end| end as usize) {
                 valence[end] += 1;
                 boundary[end] |= edge.is_boundary();
             }
-            let [a, b] = edge.ends.map(|end| DVec3::from(point(end)));
-            lengths.push(a.distance(b));
         }
+        let lengths = mesh.lengths(&edges);
         let interior = || valence.iter().zip(&boundary).filter(|(valence, boundary)| **valence > 0 && !**boundary);
         let count = lengths.len().max(1) as f64;
         let mean_edge = lengths.iter().sum::<f64>() / count;

@@ -13,8 +13,9 @@
 //! Vertices that share no face move at once: the mesh is coloured, greedily in the order of the vertices, and the colours
 //! take turns. So the result does not depend on the number of threads. Vertices on features stay.
 
-use super::Mesh;
+use super::metric::{Frame, laid, lifted};
 use super::quality::{quad_shape, triangle_shape};
+use super::{Mesh, Metric};
 use crate::surface::{Surface, WALK_EDGES, walk};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -43,12 +44,18 @@ pub struct Smoothed {
 
 /// Moves the vertices `passes` times. `below` names the triangle of the surface below each vertex, `None` where it is fixed.
 pub fn smooth(surface: &Surface, mesh: &Mesh, below: &[Option<u32>], passes: usize) -> Smoothed {
+    smooth_in(&Metric::default(), surface, mesh, below, passes)
+}
+
+/// As [`smooth`], to where faces are nearest to squares in a metric.
+pub fn smooth_in(metric: &Metric, surface: &Surface, mesh: &Mesh, below: &[Option<u32>], passes: usize) -> Smoothed {
     let mut result = Smoothed { mesh: mesh.clone(), below: below.to_vec() };
     if passes == 0 {
         return result;
     }
     let incidence = Incidence::new(mesh);
-    let worst = (0..mesh.face_count()).map(|f| shape(mesh, f as u32).1).fold(f64::INFINITY, f64::min);
+    let frames = metric.frames(mesh.faces());
+    let worst = (0..mesh.face_count()).map(|f| shape(mesh, &frames, f as u32).1).fold(f64::INFINITY, f64::min);
     let floor = worst.max(FLOOR);
     let colours = colours(mesh, &incidence, below);
     for _ in 0..passes {
@@ -58,7 +65,8 @@ pub fn smooth(surface: &Surface, mesh: &Mesh, below: &[Option<u32>], passes: usi
                 .with_min_len(256)
                 .map(|&v| {
                     let faces = incidence.faces_at(v as usize);
-                    better(surface, &result.mesh, v, result.below[v as usize]?, faces, floor)
+                    let here = (v, result.below[v as usize]?);
+                    better(surface, &result.mesh, &frames, here, faces, floor)
                 })
                 .collect();
             for (&v, moved) in colour.iter().zip(moves) {
@@ -73,15 +81,22 @@ pub fn smooth(surface: &Surface, mesh: &Mesh, below: &[Option<u32>], passes: usi
 }
 
 /// Where a vertex goes, if its faces gain by it: the triangle there and the place.
-fn better(surface: &Surface, mesh: &Mesh, v: u32, triangle: u32, faces: &[u32], floor: f64) -> Option<(u32, Vec3)> {
+fn better(
+    surface: &Surface,
+    mesh: &Mesh,
+    frames: &[Frame],
+    (v, triangle): (u32, u32),
+    faces: &[u32],
+    floor: f64,
+) -> Option<(u32, Vec3)> {
     let at = point(mesh, v);
     let (mut way, mut weight) = (DVec3::ZERO, 0.0);
     for &f in faces {
         let face = mesh.face(f as usize);
         let place = face.iter().position(|&w| w == v)?;
-        let (share, shape) = shape(mesh, f);
+        let (share, shape) = shape(mesh, frames, f);
         let share = share * (if shape < floor { BAD } else { 1.0 });
-        way += (ideal(mesh, face, place) - at) * share;
+        way += (ideal(mesh, frames.get(f as usize), face, place) - at) * share;
         weight += share;
     }
     let normal = surface.normal(triangle as usize).as_dvec3();
@@ -91,7 +106,7 @@ fn better(surface: &Surface, mesh: &Mesh, v: u32, triangle: u32, faces: &[u32], 
     }
     let judge = |to: Option<DVec3>| {
         faces.iter().fold((f64::INFINITY, 0.0), |(least, sum), &f| {
-            let (weight, shape) = shape_with(mesh, f, v, to);
+            let (weight, shape) = shape_with(mesh, frames, f, v, to);
             (shape.min(least), sum + if weight > 0.0 { weight * shape } else { 0.0 })
         })
     };
@@ -176,8 +191,8 @@ fn reach(mesh: &Mesh, faces: &[u32], v: u32) -> f64 {
 }
 
 /// Where the vertex at a place of a face would be if the face were the regular polygon that fits it best.
-fn ideal(mesh: &Mesh, face: &[u32], place: usize) -> DVec3 {
-    regular(face.len(), |k| point(mesh, face[(place + k) % face.len()]))
+fn ideal(mesh: &Mesh, frame: Option<&Frame>, face: &[u32], place: usize) -> DVec3 {
+    lifted(frame, regular(face.len(), |k| laid(frame, point(mesh, face[(place + k) % face.len()]))))
 }
 
 /// The first corner of the regular polygon that fits a polygon best; `corner` tells its corners in order.
@@ -201,10 +216,10 @@ pub(super) fn regular(count: usize, corner: impl Fn(usize) -> DVec3) -> DVec3 {
 }
 
 /// What a face says and how loudly, with one vertex elsewhere if asked.
-fn shape_with(mesh: &Mesh, face: u32, v: u32, to: Option<DVec3>) -> (f64, f64) {
-    let at = |w: u32| match to {
-        Some(place) if w == v => place.into(),
-        _ => mesh.points[w as usize],
+fn shape_with(mesh: &Mesh, frames: &[Frame], face: u32, v: u32, to: Option<DVec3>) -> (f64, f64) {
+    let at = |w: u32| {
+        let place = to.filter(|_| w == v).unwrap_or_else(|| point(mesh, w));
+        laid(frames.get(face as usize), place).into()
     };
     match *mesh.face(face as usize) {
         [a, b, c] => (TRIANGLE, triangle_shape([a, b, c].map(at))),
@@ -213,6 +228,6 @@ fn shape_with(mesh: &Mesh, face: u32, v: u32, to: Option<DVec3>) -> (f64, f64) {
     }
 }
 
-fn shape(mesh: &Mesh, face: u32) -> (f64, f64) {
-    shape_with(mesh, face, 0, None)
+fn shape(mesh: &Mesh, frames: &[Frame], face: u32) -> (f64, f64) {
+    shape_with(mesh, frames, face, 0, None)
 }

@@ -20,6 +20,7 @@ use super::intrinsic::Intrinsic;
 use crate::field::Field;
 use crate::geometry::cross;
 use crate::mosaic::chart::{Chart, Spot};
+use crate::mosaic::oblong::factors;
 use crate::mosaic::phases::Cone;
 use crate::mosaic::{Mosaic, Seat, Tile};
 use crate::surface::{NONE, Surface};
@@ -44,6 +45,8 @@ pub struct Triangulation {
     pub sites: usize,
     /// See `sites`.
     pub extra: usize,
+    /// See [`Mosaic::factor`]; empty where tiles are squares.
+    pub(crate) factors: Vec<f32>,
     /// The first of the vertices at the place of each vertex: there are several where sheets of the surface meet.
     pub(crate) same_place: Vec<u32>,
 }
@@ -71,7 +74,8 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     for (v, site) in mosaic.sites.iter().enumerate() {
         same_place[v] = site.same_place;
     }
-    Triangulation { faces, tiles, sides, points, sites: sites.len(), extra: left.len(), same_place }
+    let factors = factors(surface, field, &tiles);
+    Triangulation { faces, tiles, sides, points, factors, sites: sites.len(), extra: left.len(), same_place }
 }
 
 impl Triangulation {
@@ -90,6 +94,7 @@ impl Triangulation {
             fixed: (0..self.tiles.len()).map(|v| !self.is_free(v)).collect(),
             normals: self.tiles.iter().map(|tile| tile.normal).collect(),
             axes: self.tiles.iter().map(|tile| tile.axis).collect(),
+            factors: self.factors.clone(),
         }
     }
 
@@ -119,7 +124,7 @@ impl Triangulation {
 }
 
 struct Work<'a> {
-    /// The mosaic's own metric, where rows pass over the whole surface.
+    /// The mosaic's own metric, where it has one.
     chart: Option<&'a Chart>,
     faces: Intrinsic,
     /// The triangle of the surface that each face lies in, while no edge of the surface has been flipped.

@@ -13,9 +13,10 @@
 //! points the least scaled Jacobian becomes 0.21, from 0.14. With a limit of 0.5 Qg of plane falls by 0.005, with this one
 //! by 0.001.
 
-use super::Mesh;
+use super::metric::laid;
 use super::quality::{quad_shape, scaled_jacobian, triangle_shape};
 use super::smooth::{Incidence, Smoothed};
+use super::{Mesh, Metric};
 use crate::surface::nearest::nearest_on_segment;
 use crate::surface::{Surface, WALK_EDGES, walk};
 use glam::DVec3;
@@ -37,12 +38,12 @@ const NEAREST: f64 = 0.4;
 /// How far a vertex on a feature curve may be from it by rounding, unit-sized.
 const CLOSE: f64 = 1e-5;
 
-/// Moves vertices of bad faces so that the worst about each becomes better; others stay.
-pub fn unfold(surface: &Surface, smoothed: &Smoothed) -> Smoothed {
+/// Moves vertices of bad faces so that the faces about each become better, their shapes measured in a metric; others stay.
+pub fn unfold(metric: &Metric, surface: &Surface, smoothed: &Smoothed) -> Smoothed {
     let Smoothed { mesh, below } = smoothed.clone();
     let incidence = Incidence::new(&mesh);
     let mean_edge = mean_edge(&mesh);
-    let mut work = Work { surface, mesh, below, incidence, mean_edge, curves: None };
+    let mut work = Work { metric, surface, mesh, below, incidence, mean_edge, curves: None };
     for _ in 0..ROUNDS {
         let mut moved = false;
         for v in work.poor() {
@@ -62,6 +63,7 @@ fn mean_edge(mesh: &Mesh) -> f64 {
 }
 
 struct Work<'a> {
+    metric: &'a Metric,
     surface: &'a Surface,
     mesh: Mesh,
     below: Vec<Option<u32>>,
@@ -183,9 +185,11 @@ impl Work<'_> {
         let count = corners.len();
         let places: Vec<[f64; 3]> = corners.iter().map(|&v| self.mesh.points[v as usize]).collect();
         let at = |k: usize| DVec3::from(places[k % count]);
+        let frame = self.metric.frame(corners);
+        let shown = |place: [f64; 3]| laid(frame.as_ref(), place.into()).into();
         let value = match *places {
-            [a, b, c] => TRIANGLE * triangle_shape([a, b, c]),
-            [a, b, c, d] => scaled_jacobian([a, b, c, d]).min(quad_shape([a, b, c, d])),
+            [a, b, c] => TRIANGLE * triangle_shape([a, b, c].map(shown)),
+            [a, b, c, d] => scaled_jacobian([a, b, c, d]).min(quad_shape([a, b, c, d].map(shown))),
             _ => return 1.0,
         };
         let normals =

@@ -1,6 +1,7 @@
 //! Between batches of relaxation: one of two tiles that overlap goes, and a tile comes where a place is empty.
 
 use super::grid::Grid;
+use super::oblong::see_oblong;
 use super::relax::{self, Sight, see};
 use super::{Mosaic, Tile};
 use crate::field::Field;
@@ -9,7 +10,7 @@ use crate::surface::{Surface, WALK_EDGES, walk};
 use rayon::prelude::*;
 
 /// Two tiles nearer than this along both axes, in tile sides, are one too many.
-const CROWDED: f32 = 0.55;
+pub(super) const CROWDED: f32 = 0.55;
 /// A place is empty where no tile lies within this, in tile sides.
 const EMPTY: f32 = 0.72;
 /// A tile whose normal is turned by more than the angle of this cosine lies on the other side of a thin part. On rough
@@ -18,8 +19,7 @@ const OTHER_SIDE: f32 = -0.5;
 
 /// Removes tiles where they crowd and adds tiles where there is room, in the order of ids.
 pub fn take(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Mosaic {
-    let tiles = thin(mosaic, CROWDED);
-    let mut result = Mosaic { tiles, ..mosaic.clone() };
+    let mut result = thin(mosaic, CROWDED);
     let more = room(surface, field, &result);
     result.tiles.extend(more);
     result
@@ -29,9 +29,11 @@ fn cell_of(tiles: &[Tile]) -> f32 {
     relax::cell(tiles.iter().map(|t| t.h).fold(0.0, f32::max))
 }
 
-pub(super) fn thin(mosaic: &Mosaic, crowded_within: f32) -> Vec<Tile> {
+/// The mosaic without those tiles that have another within this of them along both axes, in tile sides.
+pub(super) fn thin(mosaic: &Mosaic, crowded_within: f32) -> Mosaic {
     let tiles = &mosaic.tiles;
-    let grid = Grid::build(|i| tiles[i].position, tiles.len(), cell_of(tiles));
+    let longest = mosaic.longest();
+    let grid = Grid::build(|i| tiles[i].position, tiles.len(), longest * cell_of(tiles));
     let crowding: Vec<Vec<u32>> = (0..tiles.len())
         .into_par_iter()
         .with_min_len(256)
@@ -40,8 +42,8 @@ pub(super) fn thin(mosaic: &Mosaic, crowded_within: f32) -> Vec<Tile> {
             if id >= mosaic.sides {
                 grid.around(tiles[id].position, |other| {
                     let crowds = (other as usize) < id
-                        && see(&tiles[id], &tiles[other as usize])
-                            .is_some_and(|s| s.u[0].abs() < crowded_within && s.u[1].abs() < crowded_within);
+                        && see_oblong(&tiles[id], mosaic.factor(id), &tiles[other as usize], longest)
+                            .is_some_and(|u| u[0].abs() < crowded_within && u[1].abs() < crowded_within);
                     others.extend(crowds.then_some(other));
                 });
             }
@@ -49,7 +51,11 @@ pub(super) fn thin(mosaic: &Mosaic, crowded_within: f32) -> Vec<Tile> {
         })
         .collect();
     let kept = chosen(&crowding);
-    tiles.iter().zip(kept).filter(|&(_, kept)| kept).map(|(&tile, _)| tile).collect()
+    Mosaic { tiles: chosen_of(tiles, &kept), factors: chosen_of(&mosaic.factors, &kept), ..mosaic.clone() }
+}
+
+fn chosen_of<T: Copy>(all: &[T], chosen: &[bool]) -> Vec<T> {
+    all.iter().zip(chosen).filter(|&(_, chosen)| *chosen).map(|(&one, _)| one).collect()
 }
 
 /// Which are chosen, in order: each that does not meet, of those before it, one that is chosen.
@@ -93,7 +99,7 @@ fn room(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Vec<Tile> {
             rivals
         })
         .collect();
-    candidates.iter().zip(chosen(&rivals)).filter(|&(_, chosen)| chosen).map(|(&tile, _)| tile).collect()
+    chosen_of(&candidates, &chosen(&rivals))
 }
 
 /// The turns of a tile's cross that point into the surface on its side and to a place in the lattice where no tile is.

@@ -1,4 +1,5 @@
-//! The mosaic's own metric: distances in tile sides along the rows, where rows pass over the whole surface.
+//! The mosaic's own metric: distances in tile sides along the rows, where rows pass over the whole surface or tiles are
+//! rectangles.
 
 use super::Tile;
 use super::phases::{Cone, Phases};
@@ -42,6 +43,12 @@ impl Chart {
             steps: half_edges.clone().map(|h| phases.step(h)).collect(),
             at_ends: half_edges.map(|h| phases.step_at_end(h)).collect(),
         }
+    }
+
+    /// What the rows are solved for: where they may end, steps do not add up, and ways measure what tiles see.
+    pub(crate) fn of_ways(phases: &Phases) -> Self {
+        let (steps, at_ends) = phases.ways.iter().map(|way| (way.by, way.forth(way.by))).unzip();
+        Self { steps, at_ends, cones: Vec::new() }
     }
 
     /// Takes note of which cones still carry a tile, these being the free tiles: those on cones first, in order.

@@ -5,7 +5,8 @@
 //! measured at points that are spread evenly over the surface: each asks which tiles it lies in, as a tile sees it.
 
 use super::grid::Grid;
-use super::relax::{cell, see};
+use super::oblong::see_oblong;
+use super::relax::cell;
 use super::squares::quarter_count;
 use super::{Mosaic, Tile};
 use crate::surface::Surface;
@@ -37,20 +38,23 @@ impl Fit {
     pub fn of(surface: &Surface, mosaic: &Mosaic) -> Self {
         let tiles = &mosaic.tiles;
         let largest = tiles.iter().map(|tile| tile.h).fold(f32::MIN_POSITIVE, f32::max);
-        let grid = Grid::build(|tile| tiles[tile].position, tiles.len(), cell(largest));
+        let longest = mosaic.longest();
+        let grid = Grid::build(|tile| tiles[tile].position, tiles.len(), longest * cell(largest));
 
         let spots = spread(surface, (SPOTS * tiles.len()).max(LEAST_SPOTS));
         let layers = |spot: &Spot| {
             let mut layers = 0;
             grid.around(spot.position.into(), |tile| {
-                layers += usize::from(covers(surface, &tiles[tile as usize], spot))
+                let factor = mosaic.factor(tile as usize);
+                layers += usize::from(covers(surface, &tiles[tile as usize], factor, longest, spot))
             });
             [usize::from(layers > 0), usize::from(layers > 1)]
         };
         let sum = |a: [usize; 2], b: [usize; 2]| [a[0] + b[0], a[1] + b[1]];
         let [covered, twice] = spots.par_iter().map(layers).reduce(|| [0; 2], sum);
 
-        let seats: Vec<Vec<Neighbour>> = tiles.par_iter().map(|tile| neighbours(tile, tiles, &grid)).collect();
+        let seats: Vec<Vec<Neighbour>> =
+            (0..tiles.len()).into_par_iter().map(|tile| neighbours(mosaic, tile, longest, &grid)).collect();
         let angles = seats.iter().flatten().map(|neighbour| neighbour.angle);
         let count = seats.iter().map(Vec::len).sum::<usize>().max(1) as f64;
         let fit = |seat: &Vec<Neighbour>| match seat.len() {
@@ -71,10 +75,10 @@ impl Fit {
 }
 
 /// Whether a point lies under a tile.
-fn covers(surface: &Surface, tile: &Tile, spot: &Spot) -> bool {
+fn covers(surface: &Surface, tile: &Tile, factor: f32, longest: f32, spot: &Spot) -> bool {
     let normal = surface.normal(spot.triangle as usize).into();
     let here = Tile { position: spot.position.into(), normal, triangle: spot.triangle, quarters: 0, ..*tile };
-    let Some([u, v]) = see(tile, &here).map(|sight| sight.u) else { return false };
+    let Some([u, v]) = see_oblong(tile, factor, &here, longest) else { return false };
     // In which quarter of the square, counter-clockwise from the axis.
     let quarter = match (u >= 0.0, v >= 0.0) {
         (true, true) => 0,
@@ -94,10 +98,12 @@ struct Neighbour {
 }
 
 /// The neighbours of a tile along its axes, as far as it has any.
-fn neighbours(tile: &Tile, tiles: &[Tile], grid: &Grid) -> Vec<Neighbour> {
+fn neighbours(mosaic: &Mosaic, number: usize, longest: f32, grid: &Grid) -> Vec<Neighbour> {
+    let (tile, factor) = (&mosaic.tiles[number], mosaic.factor(number));
     let mut best: [Option<Neighbour>; 4] = [const { None }; 4];
     grid.around(tile.position, |other| {
-        let Some([u, v]) = see(tile, &tiles[other as usize]).map(|sight| sight.u.map(f64::from)) else { return };
+        let seen = see_oblong(tile, factor, &mosaic.tiles[other as usize], longest);
+        let Some([u, v]) = seen.map(|u| u.map(f64::from)) else { return };
         let (turn, along, across) = match (u.abs() >= v.abs(), u > 0.0, v > 0.0) {
             (true, true, _) => (0, u, v),
             (false, _, true) => (1, v, u),
@@ -110,7 +116,10 @@ fn neighbours(tile: &Tile, tiles: &[Tile], grid: &Grid) -> Vec<Neighbour> {
             return;
         }
         if best[turn].as_ref().is_none_or(|best| miss < best.miss) {
-            best[turn] = Some(Neighbour { angle: across.abs().atan2(along).to_degrees(), miss });
+            // In space, where a tile's two sides differ.
+            let skew = if turn % 2 == 0 { 1.0 / (factor * factor) } else { factor * factor };
+            let angle = (across.abs() * f64::from(skew)).atan2(along).to_degrees();
+            best[turn] = Some(Neighbour { angle, miss });
         }
     });
     best.into_iter().flatten().collect()

@@ -18,10 +18,11 @@ pub const DOUBLE: f32 = 0.2;
 
 /// A free tile of side `h` wherever two rows cross; on edges there may be two of them.
 pub fn lattice(surface: &Surface, field: &Field, phases: &Phases, h: f32) -> Vec<Tile> {
+    let thin = thin(field);
     let tiles = |t: u32| {
         let sides = [phases.step(3 * t), phases.step_at_end(3 * t + 2).map(|x| -x)];
         let corners = surface.corners(t as usize).map(|p| p.as_dvec3());
-        let places = crossings(phases.at(3 * t), sides).into_iter().map(move |shares| place(corners, shares));
+        let places = crossings(phases.at(3 * t), sides, thin).into_iter().map(move |shares| place(corners, shares));
         places.map(move |position| Tile::free(surface, field, t, position.as_vec3(), h))
     };
     (0..surface.triangle_count() as u32).into_par_iter().flat_map_iter(tiles).collect()
@@ -30,6 +31,7 @@ pub fn lattice(surface: &Surface, field: &Field, phases: &Phases, h: f32) -> Vec
 /// As [`lattice`], but the tiles on cones first, the others round cones too and none on features; each has the side that
 /// the rows have there.
 pub fn woven(surface: &Surface, field: &Field, phases: &Phases, chart: &Chart, h: f32) -> Vec<Tile> {
+    let thin = thin(field);
     let on_cones = chart.cones.iter().filter(|spot| spot.is_tile);
     let on_cones = on_cones.map(|spot| Tile::free(surface, field, spot.cone.triangle, spot.position.as_vec3(), h));
     let part = |t: u32, part: &Part| {
@@ -42,7 +44,7 @@ pub fn woven(surface: &Surface, field: &Field, phases: &Phases, chart: &Chart, h
             let far = [*y, 1.0 - x - y, *x];
             far.iter().zip(part.on_feature).all(|(&far, on_feature)| !on_feature || far > 2.0 * SLACK)
         };
-        let places = crossings(origin, part.sides).into_iter().filter(off_features);
+        let places = crossings(origin, part.sides, thin).into_iter().filter(off_features);
         let tile = |shares| {
             let free = Tile::free(surface, field, t, place(part.points, shares).as_vec3(), h);
             Tile { h: own, ..free }
@@ -57,16 +59,21 @@ pub fn woven(surface: &Surface, field: &Field, phases: &Phases, chart: &Chart, h
     tiles
 }
 
+/// Which images are too thin: those that are so beside what the tiles' aspect makes of a triangle.
+fn thin(field: &Field) -> f64 {
+    THIN / field.stretch().map_or(1.0, |stretch| stretch.report().aspect)
+}
+
 fn place([a, b, c]: [DVec3; 3], [to_b, to_c]: [f64; 2]) -> DVec3 {
     a + (b - a) * to_b + (c - a) * to_c
 }
 
 /// Where both coordinates are whole in a triangle, in shares of its first and last side: they are `origin` at its first
 /// corner and grow by `sides` along those.
-fn crossings(origin: [f64; 2], [p, q]: [[f64; 2]; 2]) -> Vec<[f64; 2]> {
+fn crossings(origin: [f64; 2], [p, q]: [[f64; 2]; 2], thin: f64) -> Vec<[f64; 2]> {
     let mut found = Vec::new();
     let area = p[0] * q[1] - p[1] * q[0];
-    if area <= THIN * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]) {
+    if area <= thin * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]) {
         return found;
     }
     let whole = |k: usize| {
@@ -95,7 +102,7 @@ mod tests {
     fn crossings_lie_at_whole_numbers_and_none_is_missed() {
         // A right triangle of 3 by 3 tiles, its first corner just off a crossing.
         let origin = [0.9, 4.9];
-        let found = crossings(origin, [[3.0, 0.0], [0.0, 3.0]]);
+        let found = crossings(origin, [[3.0, 0.0], [0.0, 3.0]], THIN);
         let mut places: Vec<[i64; 2]> = Vec::new();
         for [b, c] in found {
             let place = [origin[0] + 3.0 * b, origin[1] + 3.0 * c];
@@ -109,8 +116,8 @@ mod tests {
     #[test]
     fn a_crossing_on_an_edge_belongs_to_both_sides_and_a_turned_triangle_holds_none() {
         let sides = [[1.0, -0.5], [1.0, 0.5]];
-        assert_eq!(crossings([0.0, 0.0], sides).len(), 2, "the first corner and the middle of the far side");
-        assert_eq!(crossings([1.0, 0.0], [[-1.0, -0.5], [-1.0, 0.5]]).len(), 0, "turned over");
-        assert_eq!(crossings([0.3, 0.3], [[0.4, 0.0], [0.0, 0.4]]).len(), 0, "between crossings");
+        assert_eq!(crossings([0.0, 0.0], sides, THIN).len(), 2, "the first corner and the middle of the far side");
+        assert_eq!(crossings([1.0, 0.0], [[-1.0, -0.5], [-1.0, 0.5]], THIN).len(), 0, "turned over");
+        assert_eq!(crossings([0.3, 0.3], [[0.4, 0.0], [0.0, 0.4]], THIN).len(), 0, "between crossings");
     }
 }

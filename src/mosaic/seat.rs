@@ -47,7 +47,7 @@ pub fn seat(surface: &Surface, field: &Field, h: f32, rulers: &Rulers) -> (Vec<S
     seats.at_corners(surface);
     let mut joined = FxHashSet::default();
     for curve in surface.features().curves() {
-        let path = Path::new(surface, field.sizes(), curve);
+        let path = Path::new(surface, field, curve);
         let least = {
             // Few intervals must not make a loop of less than three edges, nor two edges between the same two corners.
             let ends = path.ends(surface);
@@ -95,7 +95,7 @@ impl Rulers {
     pub fn new(surface: &Surface, field: &Field, phases: &Phases) -> Self {
         let mut marks = FxHashMap::default();
         for curve in surface.features().curves() {
-            let path = Path::new(surface, field.sizes(), curve);
+            let path = Path::new(surface, field, curve);
             let ways = path.half_edges.iter().zip(&path.vertices).map(|(&h, &v)| {
                 let [at, step] = phases.along(h);
                 if surface.origin(h) == v { [at, step] } else { [-at - step, step] }
@@ -124,14 +124,15 @@ impl Rulers {
 struct Path {
     vertices: Vec<u32>,
     half_edges: Vec<u32>,
-    /// The lengths of the edges, and all of it, in tiles of scale 1.
+    /// The lengths of the edges, in mean sides of tiles of scale 1.
     lengths: Vec<f64>,
+    /// How many tiles of scale 1 lie along it.
     length: f64,
     closed: bool,
 }
 
 impl Path {
-    fn new(surface: &Surface, sizes: &Sizes, curve: &Curve) -> Self {
+    fn new(surface: &Surface, field: &Field, curve: &Curve) -> Self {
         let (mut vertices, mut half_edges) = (curve.vertices.clone(), curve.half_edges.clone());
         let place = |v: u32| surface.same_place(v);
         if curve.closed {
@@ -146,17 +147,19 @@ impl Path {
             vertices.reverse();
             half_edges.reverse();
         }
-        let lengths: Vec<f64> = half_edges.iter().map(|&h| sizes.length(surface, h)).collect();
-        Self { vertices, half_edges, length: lengths.iter().sum(), lengths, closed: curve.closed }
+        let lengths: Vec<f64> = half_edges.iter().map(|&h| field.sizes().length(surface, h)).collect();
+        let length = lengths.iter().zip(&half_edges).map(|(length, &h)| length / factor(surface, field, h)).sum();
+        Self { vertices, half_edges, length, lengths, closed: curve.closed }
     }
 
     /// Equal intervals.
     fn even(&self, intervals: usize) -> Vec<f64> {
+        let whole: f64 = self.lengths.iter().sum();
         let mut passed = 0.0;
         let mut marks = vec![0.0];
         for length in &self.lengths {
             passed += length;
-            marks.push(passed / self.length * intervals as f64);
+            marks.push(passed / whole * intervals as f64);
         }
         let last = marks.len() - 1;
         marks[last] = intervals as f64;
@@ -173,6 +176,13 @@ impl Path {
     fn key(&self, surface: &Surface) -> [u32; 2] {
         [self.vertices[0], self.vertices[1]].map(|v| surface.same_place(v))
     }
+}
+
+/// The side along a half-edge over the mean one.
+fn factor(surface: &Surface, field: &Field, half_edge: u32) -> f64 {
+    let Some(stretch) = field.stretch() else { return 1.0 };
+    let [from, to] = [surface.origin(half_edge), surface.target(half_edge)].map(|v| surface.points[v as usize]);
+    f64::from(stretch.factor(surface, half_edge / 3, (from + to) / 2.0, unit(to - from)))
 }
 
 /// Seats, each with the first one at its place.

@@ -14,17 +14,27 @@ use rayon::prelude::*;
 /// the next side; in unit-sized coordinates.
 pub type Quarter = [[f32; 3]; 4];
 
-/// The quarters of a tile's square; its sides are `share` of the tile's.
-pub fn quarters(surface: &Surface, tile: &Tile, share: f32) -> Vec<Quarter> {
+/// The quarters of a tile's square, or rectangle, its side along its axis being `factor` times its mean one; the sides are
+/// `share` of the tile's.
+pub fn quarters(surface: &Surface, tile: &Tile, factor: f32, share: f32) -> Vec<Quarter> {
     let half = tile.h * share / 2.0;
     let count = quarter_count(tile);
     let barrier = |h: u32| surface.features().is_feature(h);
     let place =
         |way: Vec3| walk(surface, barrier, tile.triangle, tile.at(), way * half, WALK_EDGES).position.to_array();
-    let middles: Vec<[f32; 3]> = (0..=count.min(3)).map(|turn| place(tile.direction(turn))).collect();
-    let corner = |turn: u32| place(tile.direction(turn) + tile.direction(turn + 1));
+    let arm = |turn: u32| tile.direction(turn) * if turn.is_multiple_of(2) { factor } else { 1.0 / factor };
+    let middles: Vec<[f32; 3]> = (0..=count.min(3)).map(|turn| place(arm(turn))).collect();
+    let corner = |turn: u32| place(arm(turn) + arm(turn + 1));
     let middle = |turn: u32| middles[turn as usize % middles.len()];
     (0..count).map(|turn| [tile.position, middle(turn), corner(turn), middle(turn + 1)]).collect()
+}
+
+impl Mosaic {
+    /// The [`quarters`] of each tile.
+    pub fn quarters(&self, surface: &Surface, share: f32) -> Vec<Vec<Quarter>> {
+        let of = |(i, tile): (usize, &Tile)| quarters(surface, tile, self.factor(i), share);
+        self.tiles.par_iter().enumerate().map(of).collect()
+    }
 }
 
 /// The squares of a mosaic as faces, in model units, each with vertices of its own: in the order of the tiles, those sides of
@@ -33,7 +43,7 @@ pub fn quarters(surface: &Surface, tile: &Tile, share: f32) -> Vec<Quarter> {
 /// `grout` is the share of a tile's side that is left free between it and its neighbour.
 pub fn squares(surface: &Surface, mosaic: &Mosaic, grout: f32) -> (Mesh, Vec<u32>) {
     let outlines: Vec<Vec<[f32; 3]>> =
-        mosaic.tiles.par_iter().map(|tile| outline(&quarters(surface, tile, 1.0 - grout))).collect();
+        mosaic.quarters(surface, 1.0 - grout).iter().map(|quarters| outline(quarters)).collect();
     let points = outlines.iter().flatten().map(|&place| place.map(f64::from)).collect();
     let mut mesh = Mesh::new(points);
     let mut tiles = Vec::with_capacity(outlines.len());

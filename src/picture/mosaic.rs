@@ -3,11 +3,9 @@
 use super::mesh::surface_scene;
 use super::scene::{Corner, NO_PEN};
 use super::{Colour, Legend, Scene};
-use crate::mosaic::squares::quarters;
 use crate::mosaic::{Mosaic, Tile};
 use crate::surface::Surface;
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
 /// Tiles lie so high above the surface, in tile sides: a quarter of a tile, being flat, dips below a surface that turns by
 /// half a radian a tile by 0.03.
@@ -29,8 +27,7 @@ pub fn mosaic_scene(surface: &Surface, mosaic: &Mosaic, grout: f32, fit: Option<
     // Tiles lie over the features.
     scene.lines.clear();
     scene.ground = scene.faces.len();
-    let laid: Vec<_> = mosaic.tiles.par_iter().map(|tile| quarters(surface, tile, 1.0 - grout)).collect();
-    for (number, (tile, quarters)) in mosaic.tiles.iter().zip(laid).enumerate() {
+    for (number, (tile, quarters)) in mosaic.tiles.iter().zip(mosaic.quarters(surface, 1.0 - grout)).enumerate() {
         let normal = Vec3::from(tile.normal);
         let lift = normal.as_dvec3() * LIFT * f64::from(tile.h);
         let colour = fit.map_or_else(|| stone(tile), |fit| Colour::of_quality(fit[number]));

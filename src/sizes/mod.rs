@@ -22,7 +22,7 @@ pub use wanted::SizeOptions;
 
 use crate::surface::{NONE, Surface, shares};
 use glam::Vec3;
-use growth::Growth;
+pub(crate) use growth::Growth;
 use std::iter::zip;
 use thiserror::Error;
 

@@ -1,19 +1,36 @@
 //! Divides long edges, so that what is computed at the surface's vertices can vary within a few tiles; its shape stays.
+//!
+//! # Practice
+//! Long edges are halved, again and again. Inside a thin triangle this would make three of it every time; there the edges
+//! inside wait until those round it are short, and are flipped between the parts, which gives strips of two. At 6,000 tiles
+//! pinion, whose teeth are 30 tiles long and one wide, has 52,000 triangles, not 138,000.
 
 use super::split::{Place, Split};
 use super::{FeatureOptions, Features, Surface};
 use rustc_hash::FxHashMap;
+
+/// Triangles of a worse shape than this are thin.
+const THIN: f64 = 0.4;
 
 impl Surface {
     /// The same surface with no edge longer than allowed at its two ends, in unit-sized coordinates, `longest` at each
     /// vertex; and, for each vertex that was added, the two that it is in the middle of.
     pub(crate) fn divided(mut self, mut longest: Vec<f64>, options: &FeatureOptions) -> (Self, Vec<[u32; 2]>) {
         let mut added = Vec::new();
+        let mut roots: Vec<u32> = (0..self.triangle_count() as u32).collect();
+        let is_thin: Vec<bool> = roots.iter().map(|&t| self.shape(t) < THIN).collect();
         loop {
             let ends = |h: u32| [self.origin(h), self.target(h)].map(|v| longest[v as usize]);
             let allowed = |h: u32| ends(h)[0].min(ends(h)[1]);
             let long = |&h: &u32| self.twin(h).is_none_or(|twin| h < twin) && self.length(h) > allowed(h);
-            let middles: Vec<u32> = (0..3 * self.triangle_count() as u32).filter(long).collect();
+            let mut middles: Vec<u32> = (0..3 * self.triangle_count() as u32).filter(long).collect();
+            let root = |h: u32| roots[h as usize / 3] as usize;
+            let is_inside = |h: u32| self.twin(h).is_some_and(|twin| root(h) == root(twin));
+            let mut waits = vec![false; is_thin.len()];
+            for &h in middles.iter().filter(|&&h| !is_inside(h)) {
+                [Some(h), self.twin(h)].into_iter().flatten().for_each(|side| waits[root(side)] = is_thin[root(side)]);
+            }
+            middles.retain(|&h| !is_inside(h) || !waits[root(h)]);
             if middles.is_empty() {
                 return (self, added);
             }
@@ -21,11 +38,19 @@ impl Surface {
             let between: Vec<f64> = middles.iter().map(|&h| (ends(h)[0] + ends(h)[1]) / 2.0).collect();
             longest.extend(between);
             added.extend(middles.iter().map(|&h| [self.origin(h), self.target(h)]));
-            self.halve(&middles, options);
+            self.halve(&middles, &mut roots, options);
         }
     }
 
-    fn halve(&mut self, edges: &[u32], options: &FeatureOptions) {
+    /// Twice the area of a triangle over its squared longest side: 0.87 where all sides are equal.
+    fn shape(&self, triangle: u32) -> f64 {
+        let [a, b, c] = self.corners(triangle as usize).map(|p| p.as_dvec3());
+        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        (b - a).cross(c - a).length() / longest.max(f64::MIN_POSITIVE)
+    }
+
+    /// Halves edges; `roots`, of which each triangle is a part, are kept up.
+    fn halve(&mut self, edges: &[u32], roots: &mut Vec<u32>, options: &FeatureOptions) {
         let lines: Vec<Vec<Place>> = edges.iter().map(|&h| vec![Place::Edge(h, 0.5)]).collect();
         // Where sheets meet, the edges of all of them are divided, at one place.
         let mut first = FxHashMap::default();
@@ -37,7 +62,10 @@ impl Surface {
             *first.entry([a.min(b), a.max(b)]).or_insert(middle)
         });
         let middles: Vec<u32> = middles.collect();
-        self.replace(Split::along(self, &lines), options);
+        let mut split = Split::along(self, &lines);
+        *roots = split.sources.iter().map(|&source| roots[source as usize]).collect();
+        split.reshape(roots);
+        self.replace(split, options);
         self.same_place.truncate(self.points.len() - middles.len());
         self.same_place.extend(middles);
     }

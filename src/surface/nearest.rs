@@ -57,7 +57,7 @@ impl<'a> TriangleGrid<'a> {
                 if (0..3).any(|k| at[k].abs_diff(centre[k]) == ring) {
                     for &t in self.of_cell(cell) {
                         let corners = self.surface.corners(t as usize).map(|p| p.as_dvec3());
-                        let found = (distance_squared(point, corners), t);
+                        let found = (squared_distance(point, corners), t);
                         if found < best {
                             best = found;
                         }
@@ -104,7 +104,7 @@ impl<'a> TriangleGrid<'a> {
 }
 
 /// The squared distance of a point from a triangle.
-fn distance_squared(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+pub(crate) fn squared_distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let (ab, ac) = (b - a, c - a);
     let normal = ab.cross(ac);
     let inside = [(a, b), (b, c), (c, a)].iter().all(|&(s, e)| (e - s).cross(p - s).dot(normal) >= 0.0);
@@ -144,7 +144,7 @@ mod tests {
                 // Inside the surface's box, and up to three times as far.
                 let scale = [1.0, 3.0][number % 2];
                 let point = DVec3::new(random(), random(), random()) * scale;
-                let all = (0..surface.triangle_count()).map(|t| (distance_squared(point, corners(t)), t as u32));
+                let all = (0..surface.triangle_count()).map(|t| (squared_distance(point, corners(t)), t as u32));
                 let (square, t) = all.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a triangle");
                 assert_eq!(grid.nearest(point), (t, square.sqrt()), "{name}, {point}");
             }

@@ -1,5 +1,7 @@
 //! Makes lines across triangles into edges of the surface, which keeps its shape.
 
+mod flips;
+
 use super::{NONE, Surface, next};
 use glam::{DVec3, Vec3};
 use rustc_hash::FxHashSet;

@@ -27,12 +27,12 @@
 
 mod patch;
 
-use super::Mesh;
 use super::edit::Editor;
+use super::{Mesh, Metric};
 use patch::{Change, Patch, Worth};
 use serde::Serialize;
 
-/// What the clean-up must respect and follow; one entry a vertex, except for `feature_edges`.
+/// What the clean-up must respect and follow; one entry a vertex, except where it says otherwise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Anchors {
     /// Edges on features, the smaller id first, sorted. They stay. Boundary edges stay without being named.
@@ -43,6 +43,8 @@ pub struct Anchors {
     pub normals: Vec<[f32; 3]>,
     /// One unit tangent direction of the cross; rough on features.
     pub axes: Vec<[f32; 3]>,
+    /// The wanted side of a tile along that direction over its mean side; empty where tiles are squares.
+    pub factors: Vec<f32>,
 }
 
 impl Anchors {
@@ -54,6 +56,7 @@ impl Anchors {
             fixed: kept.iter().map(|&v| self.fixed[v as usize]).collect(),
             normals: kept.iter().map(|&v| self.normals[v as usize]).collect(),
             axes: kept.iter().map(|&v| self.axes[v as usize]).collect(),
+            factors: kept.iter().filter_map(|&v| self.factors.get(v as usize).copied()).collect(),
         }
     }
 }
@@ -107,7 +110,8 @@ pub struct CleanCounts {
 pub fn clean(mesh: &Mesh, anchors: &Anchors, options: &CleanOptions) -> (Mesh, CleanCounts) {
     let vertices = [anchors.fixed.len(), anchors.normals.len(), anchors.axes.len()];
     assert_eq!(vertices, [mesh.points.len(); 3], "anchors need one entry a vertex");
-    let mut cleaner = Cleaner { editor: Editor::new(mesh), worth: Worth { anchors, options } };
+    let mut cleaner =
+        Cleaner { editor: Editor::new(mesh), worth: Worth { anchors, options, metric: Metric::new(anchors) } };
     let mut counts = CleanCounts { triangles_before: cleaner.triangles().count(), ..CleanCounts::default() };
     for _ in 0..options.rounds {
         counts.rows += cleaner.over_faces(Cleaner::row);

@@ -1,7 +1,9 @@
 //! A few faces that are to be replaced by better ones with the same outline.
 
 use super::{Anchors, CleanOptions};
+use crate::mesh::Metric;
 use crate::mesh::edit::Editor;
+use crate::mesh::metric::laid;
 use crate::mesh::quality::{quad_shape, triangle_shape};
 use glam::{DVec3, Vec3};
 
@@ -9,6 +11,7 @@ use glam::{DVec3, Vec3};
 pub(super) struct Worth<'a> {
     pub(super) anchors: &'a Anchors,
     pub(super) options: &'a CleanOptions,
+    pub(super) metric: Metric,
 }
 
 /// New faces for a patch.
@@ -22,7 +25,8 @@ pub(super) struct Change {
 impl Worth<'_> {
     /// Quads have their shape; a triangle is half an element, since two make a quad.
     fn face(&self, editor: &Editor, face: &[u32]) -> f64 {
-        let point = |vertex| editor.point(vertex);
+        let frame = self.metric.frame(face);
+        let point = |vertex| laid(frame.as_ref(), editor.point(vertex).into()).into();
         match *face {
             [a, b, c] => 0.5 * triangle_shape([a, b, c].map(point)) - self.options.triangle_price,
             [a, b, c, d] => quad_shape([a, b, c, d].map(point)),
@@ -34,7 +38,8 @@ impl Worth<'_> {
     ///
     /// Crosses on features are rough, so they count only where both ends are on features.
     fn edge(&self, editor: &Editor, a: u32, b: u32) -> f64 {
-        let along = DVec3::from(editor.point(b)) - DVec3::from(editor.point(a));
+        let frame = self.metric.frame(&[a, b]);
+        let along = laid(frame.as_ref(), DVec3::from(editor.point(b)) - DVec3::from(editor.point(a)));
         let fixed = |vertex: u32| self.anchors.fixed[vertex as usize];
         let ends = [a, b].into_iter().filter(|end| !fixed(*end) || (fixed(a) && fixed(b)));
         let (mut loss, mut count) = (0.0, 0.0);
@@ -194,8 +199,10 @@ impl<'a> Patch<'a> {
     }
 
     fn quad(&self, places: [usize; 4]) -> f64 {
-        let [a, b, c, d] = places.map(|place| self.editor.point(self.outline[place]));
-        let shape = quad_shape([a, b, c, d]);
+        let vertices = places.map(|place| self.outline[place]);
+        let [a, b, c, d] = vertices.map(|vertex| self.editor.point(vertex));
+        let frame = self.worth.metric.frame(&vertices);
+        let shape = quad_shape([a, b, c, d].map(|point| laid(frame.as_ref(), point.into()).into()));
         let normal = (DVec3::from(c) - DVec3::from(a)).cross(DVec3::from(d) - DVec3::from(b));
         if shape >= self.worth.options.least_shape && self.faces_up(&places, normal) {
             shape

@@ -1,5 +1,6 @@
 //! A change of a mesh that is thought through before it is made: a few faces and places laid over the mesh as it is.
 
+use crate::mesh::Metric;
 use crate::mesh::edit::Editor;
 use glam::DVec3;
 use rustc_hash::FxHashSet;
@@ -15,6 +16,7 @@ pub(super) struct Scene {
     pub(super) fixed: Vec<bool>,
     /// Edges that stay, the smaller id first.
     pub(super) features: FxHashSet<[u32; 2]>,
+    pub(super) metric: Metric,
 }
 
 impl Scene {

@@ -37,9 +37,9 @@ mod settle;
 mod step;
 mod ways;
 
-use super::Mesh;
 use super::clean::Anchors;
 use super::edit::Editor;
+use super::{Mesh, Metric};
 use crate::surface::{Footing, Surface, WALK_EDGES, walk};
 use draft::{Draft, Scene};
 use glam::{DVec3, Vec3};
@@ -119,6 +119,8 @@ pub struct Paired {
     pub kept: Vec<u32>,
     /// The triangle of the surface below each vertex that may move.
     pub below: Vec<Option<u32>>,
+    /// What shapes are measured in.
+    pub metric: Metric,
     /// What was done.
     pub counts: PairCounts,
 }
@@ -143,11 +145,13 @@ pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u
     work.run(Work::poor, Work::better, &mut counts);
     counts.triangles_after = work.triangles().len();
     let Work { scene, below, .. } = work;
-    let (mesh, kept) = scene.editor.finish();
+    let Scene { editor, metric, .. } = scene;
+    let (mesh, kept) = editor.finish();
+    let metric = metric.of(&kept);
     let below = kept.iter().map(|&v| below[v as usize]).collect();
     let known = anchors.fixed.len() as u32;
     let kept = kept.into_iter().map(|v| if v < known { v } else { u32::MAX }).collect();
-    Paired { mesh, kept, below, counts }
+    Paired { mesh, kept, below, metric, counts }
 }
 
 #[derive(Clone, Copy)]
@@ -203,6 +207,7 @@ impl<'a> Work<'a> {
             ideal: vec![4; mesh.points.len()],
             fixed: below.iter().map(Option::is_none).collect(),
             features: anchors.feature_edges.iter().copied().collect(),
+            metric: Metric::new(anchors),
         };
         for v in (0..).zip(&scene.fixed).filter(|(_, fixed)| **fixed).map(|(v, _)| v).collect::<Vec<u32>>() {
             scene.ideal[v as usize] = ideal_valence(&scene, v);
@@ -362,6 +367,7 @@ impl<'a> Work<'a> {
             self.scene.normals.push(self.scene.normals[source as usize]);
             self.scene.ideal.push(self.scene.ideal[source as usize]);
             self.scene.fixed.push(self.scene.fixed[source as usize]);
+            self.scene.metric.copy(source);
             self.below.push(self.below[source as usize]);
         }
         for (face, corners) in &change.faces {

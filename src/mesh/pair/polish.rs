@@ -9,6 +9,7 @@ use super::draft::Draft;
 use super::rows::rename;
 use super::settle::quality;
 use super::{Found, Kind, Work};
+use crate::mesh::metric::laid;
 use glam::DVec3;
 
 /// Irregular vertices of a quad that is worth a look.
@@ -19,13 +20,13 @@ impl Work<'_> {
     pub(super) fn poor(&self) -> Vec<u32> {
         let draft = Draft::new(&self.scene);
         (0..self.scene.editor.face_count() as u32)
+            .filter(|&face| draft.face(face).len() == 4)
             .filter(|&face| {
                 let corners = draft.face(face);
-                let points: Vec<DVec3> = corners.iter().map(|v| draft.point(*v)).collect();
+                let frame = self.scene.metric.frame(corners);
+                let points: Vec<DVec3> = corners.iter().map(|v| laid(frame.as_ref(), draft.point(*v))).collect();
                 let irregular = || corners.iter().filter(|&&v| draft.irregularity(v, 0) > 0.0).count();
-                corners.len() == 4
-                    && (quality(&points) < self.options.least_shape
-                        || (self.regularity > 0.0 && irregular() >= IRREGULAR))
+                quality(&points) < self.options.least_shape || (self.regularity > 0.0 && irregular() >= IRREGULAR)
             })
             .collect()
     }
@@ -33,9 +34,6 @@ impl Work<'_> {
     /// The best that can be done about a quad, if anything gains.
     pub(super) fn better(&self, face: u32) -> Option<Found> {
         let draft = Draft::new(&self.scene);
-        if draft.face(face).len() != 4 {
-            return None;
-        }
         let turned = (0..4).flat_map(|side| turned(&draft, face, side)).map(|draft| (Kind::Turned, draft));
         let merged = (0..2).filter_map(|k| merged(&draft, face, k)).map(|draft| (Kind::Merged, draft));
         self.best_of(face, turned.chain(merged).filter(|(_, draft)| draft.is_sound()))

@@ -4,6 +4,7 @@
 //! does the same on the surface in the end.
 
 use super::draft::Draft;
+use crate::mesh::metric::{Frame, laid, lifted};
 use crate::mesh::quality::{quad_shape, triangle_shape};
 use crate::mesh::smooth::regular;
 use glam::DVec3;
@@ -44,14 +45,17 @@ pub(super) fn settle(draft: &Draft, price: f64, least: f64) -> Option<Settled> {
     let editor = &draft.scene.editor;
     let (mut gain, mut least) = (0.0, least);
     for face in gone().chain(patch.faces.iter().copied()).filter(|face| (*face as usize) < editor.face_count()) {
-        let before: Vec<DVec3> = editor.face(face).iter().map(|v| editor.point(*v).into()).collect();
+        let frame = draft.scene.metric.frame(editor.face(face));
+        let before: Vec<DVec3> =
+            editor.face(face).iter().map(|v| laid(frame.as_ref(), editor.point(*v).into())).collect();
         gain += loss(&before, price);
         least = least.min((1.0 - ROUNDING) * quality(&before));
     }
-    for corners in &patch.corners {
-        let after: Vec<DVec3> = corners.iter().map(|v| patch.points[*v]).collect();
+    for (f, corners) in patch.corners.iter().enumerate() {
+        let places: Vec<DVec3> = corners.iter().map(|v| patch.points[*v]).collect();
+        let after: Vec<DVec3> = places.iter().map(|place| laid(patch.frames.get(f), *place)).collect();
         gain -= loss(&after, price);
-        if quality(&after) <= least || patch.looks_away(corners, &after) {
+        if quality(&after) <= least || patch.looks_away(corners, &places) {
             return None;
         }
     }
@@ -87,6 +91,8 @@ struct Patch<'a> {
     /// The first of the faces have a vertex of a changed one.
     core: usize,
     corners: Vec<Vec<usize>>,
+    /// What the shapes of the faces are measured in; none where tiles are squares.
+    frames: Vec<Frame>,
     /// The vertices that move.
     free: Vec<usize>,
     /// For each vertex of `free`, the places that it has in faces.
@@ -120,6 +126,7 @@ impl<'a> Patch<'a> {
         }
         let corners: Vec<Vec<usize>> =
             faces.iter().map(|face| draft.face(*face).iter().map(|v| number[v]).collect()).collect();
+        let originals = |face: &u32| draft.face(*face).iter().map(|v| draft.original(*v)).collect::<Vec<u32>>();
         let mut all_seats = vec![Vec::new(); inner];
         for (f, face) in corners.iter().enumerate() {
             for (place, &v) in face.iter().enumerate().filter(|(_, v)| **v < inner) {
@@ -129,6 +136,7 @@ impl<'a> Patch<'a> {
         let free: Vec<usize> = (0..inner).filter(|v| !draft.is_fixed(vertices[*v])).collect();
         Self {
             draft,
+            frames: draft.scene.metric.frames(faces.iter().map(originals)),
             points: vertices.iter().map(|v| draft.point(*v)).collect(),
             normals: vertices.iter().map(|v| draft.normal(*v)).collect(),
             seats: free.iter().map(|v| std::mem::take(&mut all_seats[*v])).collect(),
@@ -146,7 +154,9 @@ impl<'a> Patch<'a> {
             for &(f, place) in seats {
                 let face = &self.corners[f];
                 let share = if face.len() == 3 { TRIANGLE } else { 1.0 };
-                let ideal = regular(face.len(), |k| self.points[face[(place + k) % face.len()]]);
+                let frame = self.frames.get(f);
+                let corner = |k: usize| laid(frame, self.points[face[(place + k) % face.len()]]);
+                let ideal = lifted(frame, regular(face.len(), corner));
                 way += (ideal - self.points[v]) * share;
                 weight += share;
             }

@@ -316,7 +316,7 @@ impl Work<'_> {
         let reach = middle.distance(DVec3::from(scene.editor.point(a)));
         let near = |place: &DVec3| place.distance(middle) < reach;
         let place = self.nearest_feature(middle).map(|(_, place)| place).filter(near).unwrap_or(middle);
-        let vertex = self.add(place, normal, None, if is_boundary { 2 } else { 4 });
+        let vertex = self.add(a, place, normal, None, if is_boundary { 2 } else { 4 });
         self.scene.features.remove(&[a.min(b), a.max(b)]);
         self.scene.features.extend([[a, vertex], [b, vertex]]);
         *(if is_boundary { &mut added.on_boundaries } else { &mut added.on_features }) += 1;
@@ -332,19 +332,21 @@ impl Work<'_> {
 
     /// A new vertex on the surface, reached from one of those near it.
     fn add_free(&mut self, place: DVec3, near: &[u32]) -> u32 {
-        let from = near.iter().find_map(|&v| Some((self.below[v as usize]?, self.scene.editor.point(v))));
+        let from = near.iter().find_map(|&v| Some((v, self.below[v as usize]?)));
         let (triangle, place) = match from {
-            Some((triangle, point)) => {
-                let foot = self.foot(triangle, point.into(), place);
+            Some((v, triangle)) => {
+                let foot = self.foot(triangle, self.scene.editor.point(v).into(), place);
                 (foot.triangle, foot.position.as_dvec3())
             }
             None => (TriangleGrid::new(self.surface).nearest(place).0, place),
         };
         let normal = self.surface.normal(triangle as usize).as_dvec3();
-        self.add(place, normal, Some(triangle), 4)
+        self.add(from.map_or(near[0], |(v, _)| v), place, normal, Some(triangle), 4)
     }
 
-    fn add(&mut self, place: DVec3, normal: DVec3, below: Option<u32>, ideal: u8) -> u32 {
+    /// A new vertex, for which rows are as far apart as at another.
+    fn add(&mut self, like: u32, place: DVec3, normal: DVec3, below: Option<u32>, ideal: u8) -> u32 {
+        self.scene.metric.copy(like);
         self.scene.normals.push(normal);
         self.scene.ideal.push(ideal);
         self.scene.fixed.push(below.is_none());

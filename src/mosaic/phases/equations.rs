@@ -1,6 +1,6 @@
 //! The equations of the phases, in the form of the field's.
 
-use super::{Phases, Unknowns, Way, along};
+use super::{Cone, Phases, Unknowns, Way, along};
 use crate::field::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
 use crate::field::smooth::{Pace, flowed};
 use crate::field::{Complex, Hierarchy, Level, Link, MIRRORED, Sectors};
@@ -37,8 +37,8 @@ pub fn equations(graph: &Graph) -> Hierarchy {
 }
 
 /// The equations of what must be added to the coordinates so that their steps are, in the sense of least squares, the
-/// ways: real numbers, held as imaginary ones, so that mirrored they are negative.
-pub fn offsets(surface: &Surface, phases: &Phases) -> Hierarchy {
+/// ways: real numbers, held as imaginary ones, so that mirrored they are negative. `cones` are drawn to their triangles.
+pub fn offsets(surface: &Surface, phases: &Phases, cones: &[Cone]) -> Hierarchy {
     let graph = phases.graph(surface);
     let Graph { sectors, unknowns, .. } = graph;
     let mut pulls = vec![[0.0, 0.0]; phases.fixed.len()];
@@ -57,8 +57,8 @@ pub fn offsets(surface: &Surface, phases: &Phases) -> Hierarchy {
         }
     }
     let mut held = vec![0.0; phases.fixed.len()];
-    for cone in (0..surface.triangle_count() as u32).filter_map(|t| phases.cone(t)) {
-        for (k, offset) in (0..3).zip(phases.cone_offsets(&cone)) {
+    for cone in cones {
+        for (k, offset) in (0..3).zip(phases.cone_offsets(cone)) {
             let sector = sectors.of_corner[(3 * cone.triangle + k) as usize] as usize;
             for (unknown, off) in unknowns[sector].into_iter().zip(offset) {
                 pull(unknown, CONE_WEIGHT * off);
@@ -72,7 +72,7 @@ pub fn offsets(surface: &Surface, phases: &Phases) -> Hierarchy {
     let levels = graph.levels(|_, _| 0.0, pulls, &held);
     let start = levels.len() - 1;
     let crosses = vec![[0.0, 0.0]; levels[start].len()];
-    Hierarchy { levels, start, crosses, pace: Pace { descents: 8, flows: 0, last_flows: 0 } }
+    Hierarchy { levels, start, crosses, pace: Pace { descents: 4, flows: 0, last_flows: 0 } }
 }
 
 fn weight(sectors: &Sectors, half_edge: u32) -> f64 {

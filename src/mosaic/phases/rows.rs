@@ -11,15 +11,20 @@
 //! squares, the jumps being kept.
 
 use super::Phases;
+use crate::mosaic::Rows;
 use crate::surface::{Surface, previous};
 use rayon::prelude::*;
+use serde::Serialize;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// What an edge costs at least, in the weighted square of a tile side.
 const LEAST_COST: f64 = 0.02;
+/// What a way may cost, in the weighted square of a tile side, that takes away ends of rows of equal tiles.
+const WORTH: f64 = 12.0;
+
 /// What became of the ends of rows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RowEnds {
     /// Ends of rows that the periodic solve left, counted with their multiplicity.
     pub before: usize,
@@ -86,8 +91,9 @@ enum End {
 const NOWHERE: u32 = u32::MAX;
 
 impl Phases<'_> {
-    /// Moves the ends of rows to where they cancel; the places of the rows must be solved for again.
-    pub(super) fn cancel_row_ends(&mut self, surface: &Surface) -> RowEnds {
+    /// Moves the ends of rows to where they cancel: all of them, or those of equal tiles for which the way is worth it; the
+    /// places of the rows must be solved for again.
+    pub(super) fn cancel_row_ends(&mut self, surface: &Surface, rows: Rows) -> RowEnds {
         let triangles = surface.triangle_count() as u32;
         let sinks: Vec<bool> = (0..triangles).map(|t| self.quarters_round(t) != 0).collect();
         let charges: Vec<[i32; 2]> =
@@ -139,13 +145,15 @@ impl Phases<'_> {
         };
         let mut path_edges = 0;
         loop {
-            let crossed = flow.round();
+            let crossed = flow.round(if rows == Rows::Paper { WORTH } else { f64::INFINITY });
             path_edges += crossed;
             if crossed == 0 {
                 break;
             }
         }
-        path_edges += flow.make_cones_whole();
+        if rows == Rows::Continuous {
+            path_edges += flow.make_cones_whole();
+        }
         RowEnds { before, after: count(&flow.charges), path_edges }
     }
 
@@ -178,9 +186,9 @@ pub(super) fn turned([u, v]: [f64; 2], quarters: u32) -> [f64; 2] {
 }
 
 impl Flow<'_, '_> {
-    /// Lets all charges grow at once, each over what is cheap, and cancels those that meet first; how many edges were
-    /// crossed.
-    fn round(&mut self) -> usize {
+    /// Lets all charges grow at once, each over what is cheap, and cancels those that meet first, at a cost of `most`
+    /// together; how many edges were crossed.
+    fn round(&mut self, most: f64) -> usize {
         let mut heap = BinaryHeap::new();
         let starts: Vec<u32> = (0..).zip(&self.charges).flat_map(|(t, &charge)| states_of(t, charge)).collect();
         for (label, &state) in (0..).zip(&starts) {
@@ -192,6 +200,9 @@ impl Flow<'_, '_> {
         while let Some(Reverse((bits, event))) = heap.pop() {
             // Costs are finite and not negative, so their bits are in order.
             let cost = f64::from_bits(bits);
+            if cost > most {
+                break;
+            }
             let label = |flow: &Self, state: u32| flow.label[state as usize] as usize;
             match event {
                 Event::Reached(state) => {

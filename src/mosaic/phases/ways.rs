@@ -1,9 +1,9 @@
 //! From one vertex of the surface to the next, in tile sides along the cross.
 
-use crate::field::{Field, Sectors};
+use crate::field::Field;
+use crate::field::matching::{Passage, axes};
 use crate::surface::{Surface, next};
 use rayon::prelude::*;
-use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The way along a half-edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,37 +27,29 @@ impl Way {
     }
 }
 
-/// One direction of each sector's cross, in radians from its direction zero; on a feature that is direction zero itself.
-pub fn axes(field: &Field) -> Vec<f64> {
-    let on_feature = |sector: usize| field.sectors().quarters[sector] > 0;
-    let axis = |z: &[f32; 2]| f64::from(z[1]).atan2(f64::from(z[0])) / 4.0;
-    field.crosses().iter().enumerate().map(|(s, z)| if on_feature(s) { 0.0 } else { axis(z) }).collect()
-}
-
-/// By how much the cross turns along a half-edge, in radians, counter-clockwise, and how many quarters its axis is turned
-/// by when it is read in the frame of the sector at the end; with the half-edge's angle from the axis where it begins.
-fn turn_along(sectors: &Sectors, axes: &[f64], h: u32) -> [f64; 3] {
-    let [from, to] = [h, next(h)].map(|corner| sectors.of_corner[corner as usize] as usize);
-    let leaving = sectors.direction(h, 0.0) - axes[from];
-    let arriving = sectors.direction(next(h), sectors.corner_angle(next(h))) + PI - axes[to];
-    let quarters = ((arriving - leaving) / FRAC_PI_2).round();
-    [leaving - arriving + quarters * FRAC_PI_2, quarters, leaving]
-}
-
 /// By how much the cross turns along each half-edge, in radians.
 pub fn turning(field: &Field) -> Vec<f64> {
-    let (sectors, axes) = (field.sectors(), axes(field));
-    (0..sectors.of_corner.len() as u32).into_par_iter().map(|h| turn_along(sectors, &axes, h)[0]).collect()
+    let (sectors, axes) = (field.sectors(), axes(field.sectors(), field.crosses()));
+    (0..sectors.of_corner.len() as u32).into_par_iter().map(|h| Passage::along(sectors, &axes, h).turn).collect()
 }
 
-/// The ways along all half-edges, for tiles whose side at each vertex is `side`.
-pub fn ways(surface: &Surface, sectors: &Sectors, axes: &[f64], side: impl Fn(u32) -> f64 + Sync) -> Vec<Way> {
+/// The ways along all half-edges, for tiles whose mean side at each vertex is `side`, stretched as the field says.
+pub fn ways(surface: &Surface, field: &Field, side: impl Fn(u32) -> f64 + Sync) -> Vec<Way> {
+    let (sectors, axes) = (field.sectors(), axes(field.sectors(), field.crosses()));
+    let stretch = field.stretch().map(|stretch| stretch.along_axes(&axes));
+    // By what tile sides are longer along the axis of a corner's sector; across it they are as much shorter.
+    let log = |corner: u32| stretch.as_ref().map_or(0.0, |logs| logs[sectors.of_corner[corner as usize] as usize]);
     let way = |h: u32| {
-        let [turn, quarters, leaving] = turn_along(sectors, axes, h);
-        let (s, c) = (leaving - turn / 2.0).sin_cos();
-        let per_unit = (1.0 / side(surface.origin(h)) + 1.0 / side(surface.target(h))) / 2.0;
-        let sides = surface.length(h) * per_unit;
-        Way { by: [sides * c, sides * s], quarters: quarters.rem_euclid(4.0) as u32 }
+        let passage = Passage::along(sectors, &axes, h);
+        let (s, c) = (passage.leaving - passage.turn / 2.0).sin_cos();
+        let here = log(h);
+        let there = if passage.swaps() { -log(next(h)) } else { log(next(h)) };
+        let sides = |sign: f64| {
+            let [here, there] = [sign * here, sign * there].map(|log| (-log).exp());
+            let per_unit = (here / side(surface.origin(h)) + there / side(surface.target(h))) / 2.0;
+            surface.length(h) * per_unit
+        };
+        Way { by: [sides(1.0) * c, sides(-1.0) * s], quarters: passage.quarters.rem_euclid(4.0) as u32 }
     };
     (0..3 * surface.triangle_count() as u32).into_par_iter().map(way).collect()
 }

@@ -1,0 +1,40 @@
+//! What counts as a feature: arguments that all share who read a surface for its features.
+
+use super::mesh::degrees;
+use clap::Args;
+use quadmosaic::surface::{FeatureOptions, NamedEdge, read_edges};
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub struct FeatureArguments {
+    /// Dihedral angle in degrees (1 to 180) over which an edge of the surface is a crease that the mesh keeps; 180: none is
+    #[arg(long, value_name = "ANGLE", default_value_t = 40.0, value_parser = degrees::<180>, help_heading = "Features")]
+    crease: f64,
+    /// Treat the borders of regions (OBJ groups, STL solids) as if they were not there; faces that are made have the names of
+    /// their regions all the same
+    #[arg(long, help_heading = "Features")]
+    ignore_regions: bool,
+    /// Edges to keep whatever their angle, from a file: on each line two vertex numbers of the surface, counted from 1, or two
+    /// points (X,Y,Z,X,Y,Z); a straight line of edges may be named by its ends
+    #[arg(long, value_name = "FILE", help_heading = "Features")]
+    feature_edges: Vec<PathBuf>,
+}
+
+impl FeatureArguments {
+    /// What counts as a feature by itself.
+    pub fn options(&self) -> FeatureOptions {
+        FeatureOptions { crease: self.crease, region_borders: !self.ignore_regions, ..FeatureOptions::default() }
+    }
+
+    /// The edges that are features whatever their angle.
+    ///
+    /// # Errors
+    /// Where a file of edges cannot be read.
+    pub fn edges(&self) -> anyhow::Result<Vec<NamedEdge>> {
+        let mut edges = Vec::new();
+        for file in &self.feature_edges {
+            edges.extend(read_edges(file)?);
+        }
+        Ok(edges)
+    }
+}

@@ -1,0 +1,334 @@
+//! Which direction of each cross is the longer one, where tiles are to be rectangles.
+//!
+//! # Theory
+//! A cross has two directions, and rectangles need one of them: a direction without sign. Guides choose it where they are,
+//! and the matching of the crosses carries the choice on, swapped by each odd quarter turn. As numbers, 1 for the axis of a
+//! sector and -1 for the direction across it, choices that are carried on as smoothly as can be solve a Laplace equation
+//! whose links have a sign; its answer's sign is the choice. Where no odd number of quarter turns is about any point that
+//! is the guides' own choice everywhere, exactly. About a point with an odd number, such as a singularity of index 1/4,
+//! there is only a cross: the choice jumps along a *cut* from there, to another such point or to a boundary.
+//!
+//! Tiles at a cut are squares, and the logarithm of their aspect grows in proportion to the distance from it, to what was
+//! asked for over [`BLEND`] long sides.
+//!
+//! # Changes versus the paper
+//! The paper has squares alone; the surface mosaics that it builds on (its references 1 and 2) have rectangles.
+//!
+//! # Practice
+//! [`BLEND`] of 0.5, 1, 2 and 4 long sides, at 6,000 points: fandisk at an aspect of 3 has Qr 0.982, 0.981, 0.983, 0.987 and
+//! a geometric mean of the sides' ratios of 2.78, 2.73, 2.54, 2.24; spot at 8 has 0.939, 0.970, 0.983, 0.979 and 6.0, 5.3,
+//! 4.1, 2.7.
+//!
+//! The choice passes creases, the direction along a crease being the same on both sides, and places where sheets meet.
+//!
+//! A stretch is held as `log(side / mean side) (cos 2t, sin 2t)`, `t` the angle of the longer side: so it can be
+//! averaged, and says how long a tile is in any direction.
+
+use super::guides::Grip;
+use super::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
+use super::matching::{Passage, axes};
+use super::smooth::Pace;
+use super::{Complex, Field, Guide, Hierarchy, Level, Link, Sectors, guides};
+use crate::compute::{Backend, ComputeError};
+use crate::geometry::{cross, dot, unit};
+use crate::sizes::Growth;
+use crate::surface::{Surface, next, previous, shares};
+use glam::Vec3;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::VecDeque;
+use std::f64::consts::FRAC_PI_2;
+use std::ops::RangeInclusive;
+use thiserror::Error;
+
+/// The aspects that can be asked for.
+pub const ASPECTS: RangeInclusive<f64> = 1.0..=20.0;
+
+/// Over so many long sides the aspect grows from a square's to what was asked for.
+const BLEND: f64 = 2.0;
+/// A guide that is farther from both directions of the cross than the angle of which this is the cosine of the double
+/// chooses none.
+const CLEAR: f64 = 0.2;
+/// Fainter values, as behind many cuts, may be roundings.
+const FAINT: f32 = 1e-6;
+/// Descents of the solver: signs alone count.
+const DESCENTS: u32 = 8;
+
+/// Why tiles cannot be stretched.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum StretchError {
+    /// The aspect makes no sense.
+    #[error(
+        "an aspect of {asked} cannot be made; ask for the longer side over the shorter one, {} to {}",
+        ASPECTS.start(),
+        ASPECTS.end()
+    )]
+    Aspect {
+        /// What was asked for.
+        asked: f64,
+    },
+    /// Nothing says which side is the longer one.
+    #[error(
+        "rectangular tiles need a guide: nothing says which way their longer side is to lie; give a direction at a point, or a \
+         stroke, on the surface and off its features"
+    )]
+    NoGuide,
+    /// Sizes that fit the field are those of squares.
+    #[error("tiles cannot both be rectangular and fit the field; leave out the aspect or the fit")]
+    Fitted,
+    /// The backend failed.
+    #[error(transparent)]
+    Compute(#[from] ComputeError),
+}
+
+impl StretchError {
+    /// Whether an aspect can be asked for.
+    pub(crate) fn of_aspect(asked: f64) -> Result<(), Self> {
+        if ASPECTS.contains(&asked) { Ok(()) } else { Err(Self::Aspect { asked }) }
+    }
+}
+
+/// What became of the asked aspect.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StretchReport {
+    /// The asked ratio of the longer side to the shorter one.
+    pub aspect: f64,
+    /// Points about which the longer side has no direction: singularities with an odd number of quarter turns.
+    pub odd_singularities: usize,
+    /// The share of the area on which the aspect is less than the root of what was asked for, but for `unguided`.
+    pub nearly_square: f64,
+    /// The share of the area that no guide reaches; tiles are squares there.
+    pub unguided: f64,
+}
+
+/// How much longer than its mean side a tile is, and in which direction, all over a surface.
+#[derive(Clone, Debug)]
+pub struct Stretch {
+    of_sectors: Vec<Complex>,
+    in_triangles: Vec<[Complex; 3]>,
+    report: StretchReport,
+}
+
+impl Stretch {
+    /// Tiles of this aspect over a field, their longer side along the guides; `side` is their mean side, unit-sized.
+    ///
+    /// # Errors
+    /// Where the aspect makes no sense, no guide chooses a direction, or the backend fails.
+    pub fn new(
+        surface: &Surface,
+        field: &Field,
+        guides: &[Guide],
+        aspect: f64,
+        side: f64,
+        backend: &dyn Backend,
+    ) -> Result<Self, StretchError> {
+        StretchError::of_aspect(aspect)?;
+        let sectors = field.sectors();
+        let web = Web::new(surface, sectors, axes(sectors, field.crosses()));
+        let wishes = web.wishes(&guides::grips(surface, sectors, guides).0);
+        if wishes.iter().all(|&wish| wish == 0.0) {
+            return Err(StretchError::NoGuide);
+        }
+        let choices = web.choices(&backend.smooth(&web.equations(&wishes))?);
+        let full = aspect.ln() / 2.0;
+        let (logs, odd_singularities) = web.logs(&choices, full, full / (BLEND * side * aspect.sqrt()));
+
+        let of_sectors: Vec<Complex> = (0..sectors.count())
+            .map(|sector| {
+                let log = f64::from(choices[sector]) * logs[web.vertex(sector)];
+                let (s, c) = (2.0 * web.axes[sector]).sin_cos();
+                [(log * c) as f32, (log * s) as f32]
+            })
+            .collect();
+        let [mut nearly_square, mut unguided, mut area] = [0.0; 3];
+        for t in 0..surface.triangle_count() {
+            let own = f64::from(surface.double_area(t));
+            area += own;
+            let corners = [0, 1, 2].map(|k| 3 * t + k);
+            if corners.iter().any(|&corner| choices[sectors.of_corner[corner] as usize] == 0.0) {
+                unguided += own;
+            } else if surface.triangles[t].iter().map(|&v| logs[v as usize]).sum::<f64>() / 3.0 < full / 2.0 {
+                nearly_square += own;
+            }
+        }
+        Ok(Self {
+            in_triangles: sectors.in_triangles(&of_sectors, 2.0),
+            of_sectors,
+            report: StretchReport {
+                aspect,
+                odd_singularities,
+                nearly_square: nearly_square / area,
+                unguided: unguided / area,
+            },
+        })
+    }
+
+    /// What became of the asked aspect.
+    pub fn report(&self) -> &StretchReport {
+        &self.report
+    }
+
+    /// The logarithm of the side over the mean one, along each sector's axis.
+    pub(crate) fn along_axes(&self, axes: &[f64]) -> Vec<f64> {
+        let along = |(z, axis): (&Complex, &f64)| {
+            let (s, c) = (2.0 * axis).sin_cos();
+            f64::from(z[0]) * c + f64::from(z[1]) * s
+        };
+        self.of_sectors.iter().zip(axes).map(along).collect()
+    }
+
+    /// The side over the mean one in a unit direction along a triangle.
+    pub(crate) fn factor(&self, surface: &Surface, triangle: u32, position: Vec3, direction: Vec3) -> f32 {
+        let corners = surface.corners(triangle as usize);
+        let [wb, wc] = shares(corners, position);
+        let weights = [(1.0 - wb - wc).max(0.0), wb, wc];
+        let z = self.in_triangles[triangle as usize];
+        let [x, y] = [0, 1].map(|k| (0..3).map(|corner| z[corner][k] * weights[corner]).sum::<f32>());
+        let [a, b, c] = corners;
+        let first = unit(b - a);
+        let normal = unit(cross(b - a, c - a));
+        let (cosine, sine) = (dot(direction, first), dot(direction, cross(normal, first)));
+        (x * (cosine * cosine - sine * sine) + y * (2.0 * cosine * sine)).exp()
+    }
+}
+
+/// The sectors, and how the choice of a direction passes from one to another.
+struct Web<'a> {
+    surface: &'a Surface,
+    sectors: &'a Sectors,
+    axes: Vec<f64>,
+    /// Whether the axes at the two ends of each half-edge are different directions.
+    swaps: Vec<bool>,
+    /// Pairs of sectors across features, both ways, sorted, and whether their axes are different directions.
+    seams: Vec<(u32, u32, bool)>,
+}
+
+impl<'a> Web<'a> {
+    fn new(surface: &'a Surface, sectors: &'a Sectors, axes: Vec<f64>) -> Self {
+        let swaps = |h: u32| {
+            // A turn of just an eighth must be read alike from both sides.
+            let twin = surface.twin(h).filter(|&twin| twin < h && !surface.features().is_feature(h));
+            Passage::along(sectors, &axes, twin.unwrap_or(h)).swaps()
+        };
+        let swaps = (0..3 * surface.triangle_count() as u32).into_par_iter().map(swaps).collect();
+        let mut web = Self { surface, sectors, axes, swaps, seams: Vec::new() };
+        // Both ends of each side of each edge on a feature, by the edge's place.
+        let mut ends = Vec::new();
+        for h in (0..3 * surface.triangle_count() as u32).filter(|&h| surface.features().is_feature(h)) {
+            let [from, to] = [surface.origin(h), surface.target(h)].map(|v| surface.same_place(v));
+            let far = next(h);
+            for (end, corner, angle) in [(from, h, 0.0), (to, far, sectors.corner_angle(far))] {
+                let sector = sectors.of_corner[corner as usize];
+                let off = (sectors.direction(corner, angle) - web.axes[sector as usize]) / FRAC_PI_2;
+                ends.push(([from.min(to), from.max(to), end], sector, off.round().rem_euclid(2.0) == 1.0));
+            }
+        }
+        ends.sort_unstable();
+        for pair in ends.windows(2).filter(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1) {
+            let [(_, a, across_a), (_, b, across_b)] = [pair[0], pair[1]];
+            web.seams.extend([(a, b, across_a != across_b), (b, a, across_a != across_b)]);
+        }
+        web.seams.sort_unstable();
+        web.seams.dedup();
+        web
+    }
+
+    fn vertex(&self, sector: usize) -> usize {
+        self.surface.origin(self.sectors.first_corner[sector]) as usize
+    }
+
+    /// Visits the sectors that a choice passes to from one: each, whether it is swapped on the way, and the way's weight.
+    /// Those at one end of several half-edges are visited as often.
+    fn visit_neighbours(&self, sector: u32, mut visit: impl FnMut(u32, bool, f64)) {
+        let Self { surface, sectors, .. } = self;
+        let weight = |h: u32| (sectors.cotangent(previous(h)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT);
+        for corner in sectors.corners(surface, sector) {
+            for (h, end) in [(corner, next(corner)), (previous(corner), previous(corner))] {
+                visit(sectors.of_corner[end as usize], self.swaps[h as usize], weight(h));
+            }
+        }
+        let start = self.seams.partition_point(|seam| seam.0 < sector);
+        let seams = self.seams[start..].iter().take_while(|seam| seam.0 == sector);
+        seams.for_each(|&(_, other, swaps)| visit(other, swaps, 1.0));
+    }
+
+    /// What the guides choose in each sector: 1 its axis, -1 the direction across, 0 nothing.
+    fn wishes(&self, grips: &[Grip]) -> Vec<f32> {
+        let mut sums = vec![0.0; self.axes.len()];
+        for grip in grips {
+            sums[grip.sector as usize] += (2.0 * (grip.angle - self.axes[grip.sector as usize])).cos();
+        }
+        sums.iter().map(|sum: &f64| if sum.abs() < CLEAR { 0.0 } else { sum.signum() as f32 }).collect()
+    }
+
+    /// The equations whose answer is each sector's choice, the wishes being fixed.
+    fn equations(&self, wishes: &[f32]) -> Hierarchy {
+        let Gathered { rows: excess, starts, links } = gather(self.axes.len(), |s, links| {
+            let own = links.len();
+            self.visit_neighbours(s as u32, |neighbour, swaps, weight| {
+                let weight = (if swaps { -weight } else { weight }) as f32;
+                match links[own..].iter_mut().find(|link| link.neighbour == neighbour) {
+                    Some(link) => link.weight[0] += weight,
+                    None => links.push(Link { neighbour, weight: [weight, 0.0] }),
+                }
+            });
+            Excess { fixed: wishes[s] != 0.0, ..Excess::default() }
+        });
+        let pulls = wishes.iter().map(|&wish| [wish, 0.0]).collect();
+        let levels = coarsen(Level::new(&excess, &starts, links, pulls), excess);
+        let start = levels.len() - 1;
+        let crosses = levels[start].fixed_crosses();
+        Hierarchy { levels, start, crosses, pace: Pace { descents: DESCENTS, flows: 0, last_flows: 0 } }
+    }
+
+    /// The signs of values; where these are faint, what passes there from others. 0 in parts without any.
+    fn choices(&self, values: &[Complex]) -> Vec<f32> {
+        let sign = |&[x, _]: &Complex| if x.abs() < FAINT { 0.0 } else { x.signum() };
+        let mut choices: Vec<f32> = values.iter().map(sign).collect();
+        let mut reached: VecDeque<u32> = (0..).zip(&choices).filter(|(_, x)| **x != 0.0).map(|(s, _)| s).collect();
+        while let Some(sector) = reached.pop_front() {
+            let choice = choices[sector as usize];
+            self.visit_neighbours(sector, |other, swaps, _| {
+                if choices[other as usize] == 0.0 {
+                    choices[other as usize] = if swaps { -choice } else { choice };
+                    reached.push_back(other);
+                }
+            });
+        }
+        choices
+    }
+
+    /// The logarithm of the longer side over the mean one at each vertex: `full`, but zero on cuts and growing from there by
+    /// `slope` at most. Also the number of points that cuts cannot but end at.
+    fn logs(&self, choices: &[f32], full: f64, slope: f64) -> (Vec<f64>, usize) {
+        let mut logs = vec![full; self.surface.vertex_count()];
+        for sector in 0..choices.len() as u32 {
+            self.visit_neighbours(sector, |other, swaps, _| {
+                let product = choices[sector as usize] * choices[other as usize];
+                if (if swaps { -product } else { product }) <= 0.0 {
+                    [sector, other].iter().for_each(|&end| logs[self.vertex(end as usize)] = 0.0);
+                }
+            });
+        }
+        if logs.contains(&0.0) {
+            Growth::new(self.surface).limit(&mut logs, slope);
+        }
+        let odd = |swaps: &&[bool]| swaps.iter().filter(|&&swaps| swaps).count() % 2 == 1;
+        (logs, self.swaps.chunks(3).filter(odd).count() + self.odd_corners())
+    }
+
+    /// The corners of features about which the quarter turns are odd, sheets that meet there apart.
+    fn odd_corners(&self) -> usize {
+        let is_odd = |v: u32| {
+            let own = self.sectors.of_vertex(v);
+            let open = own
+                .iter()
+                .flat_map(|&sector| self.sectors.corners(self.surface, sector))
+                .any(|corner| self.surface.twin(corner).is_none() || self.surface.twin(previous(corner)).is_none());
+            let quarters: u32 = own.iter().map(|&sector| u32::from(self.sectors.quarters[sector as usize])).sum();
+            !open && quarters % 2 == 1
+        };
+        self.surface.features().corners().filter(|&v| is_odd(v)).count()
+    }
+}

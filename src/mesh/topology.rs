@@ -1,0 +1,150 @@
+//! How a mesh hangs together.
+
+use super::{Edge, Mesh};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// What does not change when a mesh is bent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Topology {
+    /// Vertices in use - edges + faces.
+    pub euler: i64,
+    /// Number of closed boundary curves.
+    pub boundary_loops: usize,
+    /// Number of pieces that no edge or vertex joins.
+    pub components: usize,
+}
+
+/// How the faces of a mesh, all of whose vertices there are, hang together.
+pub(super) struct Connections {
+    /// All edges, as [`Mesh::edges`] lists them.
+    pub edges: Vec<Edge>,
+    /// For each vertex, into how many fans its faces fall when they are joined across the edges at it.
+    pub fans: Vec<u32>,
+    /// The vertices of each closed boundary curve, in order, the mesh to the right.
+    pub loops: Vec<Vec<u32>>,
+    /// What these make.
+    pub topology: Topology,
+}
+
+impl Connections {
+    pub fn of(mesh: &Mesh) -> Self {
+        let (edges, fans) = (mesh.edges(), fans(mesh));
+        let loops = boundary_loops(mesh, &edges);
+        let used = fans.iter().filter(|fans| **fans > 0).count();
+        let topology = Topology {
+            euler: used as i64 - edges.len() as i64 + mesh.face_count() as i64,
+            boundary_loops: loops.len(),
+            components: components(mesh),
+        };
+        Self { edges, fans, loops, topology }
+    }
+}
+
+/// For each vertex, into how many fans its faces fall when they are joined across the edges at it.
+fn fans(mesh: &Mesh) -> Vec<u32> {
+    let mut starts = vec![0_u32; mesh.points.len() + 1];
+    for &vertex in &mesh.corners {
+        starts[vertex as usize + 1] += 1;
+    }
+    for vertex in 1..starts.len() {
+        starts[vertex] += starts[vertex - 1];
+    }
+    // The neighbours of each vertex before and after it in each of its faces.
+    let mut wings = vec![[0_u32; 2]; mesh.corners.len()];
+    let mut place = starts.clone();
+    for face in mesh.faces() {
+        for (k, &vertex) in face.iter().enumerate() {
+            let slot = &mut place[vertex as usize];
+            wings[*slot as usize] = [face[(k + face.len() - 1) % face.len()], face[(k + 1) % face.len()]];
+            *slot += 1;
+        }
+    }
+    starts
+        .par_windows(2)
+        .map(|range| {
+            let wings = &wings[range[0] as usize..range[1] as usize];
+            let mut spokes: Vec<(u32, u32)> =
+                (0..).zip(wings).flat_map(|(id, [before, after])| [(*before, id), (*after, id)]).collect();
+            spokes.sort_unstable();
+            let mut sets = Sets::new(wings.len());
+            for pair in spokes.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+                sets.join(pair[0].1, pair[1].1);
+            }
+            sets.count as u32
+        })
+        .collect()
+}
+
+/// Walks the free sides of the boundary edges; where several leave a vertex, the smallest id first.
+fn boundary_loops(mesh: &Mesh, edges: &[Edge]) -> Vec<Vec<u32>> {
+    let mut free: Vec<[u32; 2]> = edges
+        .iter()
+        .filter(|edge| edge.is_boundary())
+        .map(|edge| if edge.along > 0 { [edge.ends[1], edge.ends[0]] } else { edge.ends })
+        .collect();
+    free.sort_unstable();
+    let mut first = vec![u32::MAX; mesh.points.len()];
+    for (place, side) in free.iter().enumerate().rev() {
+        first[side[0] as usize] = place as u32;
+    }
+    let mut seen = vec![false; free.len()];
+    let mut loops = Vec::new();
+    for start in 0..free.len() {
+        if seen[start] {
+            continue;
+        }
+        let (mut place, mut vertices) = (start, Vec::new());
+        loop {
+            seen[place] = true;
+            vertices.push(free[place][0]);
+            let end = free[place][1];
+            let next = first[end as usize] as usize;
+            let Some(unseen) = (next..free.len()).take_while(|k| free[*k][0] == end).find(|k| !seen[*k]) else { break };
+            place = unseen;
+        }
+        loops.push(vertices);
+    }
+    loops
+}
+
+fn components(mesh: &Mesh) -> usize {
+    let mut used = vec![false; mesh.points.len()];
+    let mut sets = Sets::new(mesh.points.len());
+    for face in mesh.faces() {
+        for &vertex in face {
+            used[vertex as usize] = true;
+            sets.join(face[0], vertex);
+        }
+    }
+    sets.count - used.iter().filter(|used| !**used).count()
+}
+
+/// Disjoint sets with path halving.
+struct Sets {
+    parent: Vec<u32>,
+    count: usize,
+}
+
+impl Sets {
+    fn new(count: usize) -> Self {
+        Self { parent: (0..count as u32).collect(), count }
+    }
+
+    fn root(&mut self, mut item: u32) -> u32 {
+        while self.parent[item as usize] != item {
+            let above = self.parent[item as usize];
+            self.parent[item as usize] = self.parent[above as usize];
+            item = self.parent[item as usize];
+        }
+        item
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        if a != b {
+            self.parent[a.max(b) as usize] = a.min(b);
+            self.count -= 1;
+        }
+    }
+}
