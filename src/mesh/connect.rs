@@ -44,18 +44,22 @@ pub fn connect(triangulation: &Triangulation, options: &ConnectOptions) -> Vec<b
         let mut best: Vec<(i32, f64, u32)> = Vec::new();
         let start = ring.iter().position(|&h| faces.locked[h as usize]).unwrap_or(0);
         ring.rotate_left(start);
-        let round: f64 = ring.iter().map(|&h| faces.width(h)).sum();
-        let quarters = ((round / FRAC_PI_2).round() as i32).max(1);
-        for &h in &ring {
+        let quarters = |edges: &[u32]| {
+            let round: f64 = edges.iter().map(|&h| faces.width(h)).sum();
+            ((round / FRAC_PI_2).round() as i32).max(1)
+        };
+        let mut directions = Directions::Round(quarters(&ring));
+        for (i, &h) in ring.iter().enumerate() {
             if faces.locked[h as usize] {
                 settle(&mut best, &mut selected);
+                let next = ring[i + 1..].iter().position(|&h| faces.locked[h as usize]);
+                directions = Directions::Between(quarters(&ring[i..next.map_or(ring.len(), |next| i + 1 + next)]));
                 continue;
             }
             let w = faces.target(h);
             let side = (triangulation.sides[v as usize] + triangulation.sides[w as usize]) / 2.0;
-            let on_feature = faces.locked[ring[0] as usize];
             if let Some((direction, cost)) =
-                suits.judge(faces.begin[h as usize], faces.length[h as usize] / side, (!on_feature).then_some(quarters))
+                suits.judge(faces.begin[h as usize], faces.length[h as usize] / side, directions)
             {
                 allowed[h as usize] = true;
                 match best.iter_mut().find(|b| b.0 == direction) {
@@ -81,23 +85,33 @@ fn settle(best: &mut Vec<(i32, f64, u32)>, selected: &mut [bool]) {
     }
 }
 
+/// The directions of a tile's cross, in quarter turns.
+#[derive(Clone, Copy)]
+enum Directions {
+    /// All round it: so many.
+    Round(i32),
+    /// Those between a feature and the next one, so many quarter turns from it: the features take their own.
+    Between(i32),
+}
+
 struct Suits {
     theta: f64,
     reach: f64,
 }
 
 impl Suits {
-    /// The direction of the cross that an edge is nearest to, and how badly it suits; `None` where it does not. `quarters`:
-    /// the number of directions, where they come round again.
-    fn judge(&self, angle: f64, sides: f64, quarters: Option<i32>) -> Option<(i32, f64)> {
+    /// The direction of the cross that an edge is nearest to, and how badly it suits; `None` where it does not.
+    fn judge(&self, angle: f64, sides: f64, directions: Directions) -> Option<(i32, f64)> {
         let turn = (angle / FRAC_PI_2).round();
         let off = (angle - turn * FRAC_PI_2).abs();
         if off > self.theta || sides > self.reach {
             return None;
         }
         let cost = (off / self.theta).powi(2) + (sides - 1.0).powi(2);
-        // On a feature angles do not come round again.
-        let direction = quarters.map_or(turn as i32, |quarters| (turn as i32).rem_euclid(quarters));
+        let direction = match directions {
+            Directions::Round(quarters) => (turn as i32).rem_euclid(quarters),
+            Directions::Between(quarters) => Some(turn as i32).filter(|turn| (1..quarters).contains(turn))?,
+        };
         Some((direction, cost))
     }
 }
