@@ -11,11 +11,11 @@ use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
 use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::join::{Joined, join};
-use crate::mesh::pair::{PairCounts, PairOptions, Paired, pair};
+use crate::mesh::pair::{PairCounts, PairOptions, Paired, Quads, pair};
 use crate::mesh::regions::with_regions;
 use crate::mesh::smooth::{Smoothed, smooth_in};
 use crate::mesh::triangulate::triangulate;
-use crate::mesh::unfold::unfold;
+use crate::mesh::unfold::{split_concave, unfold};
 use crate::mesh::{Mesh, Metric, Triangulation};
 use crate::mosaic::fitting::fitting;
 use crate::mosaic::{self, Effort, Layer, Mosaic, Rows};
@@ -281,6 +281,8 @@ fn meshed(
     let smoothed = smooth_in(&metric, surface, &quads, &below, options.smoothing);
     let Smoothed { mesh: smoothed, below } =
         if options.smoothing > 0 { unfold(&metric, surface, &smoothed) } else { smoothed };
+    let all_quads = options.pairing.is_some_and(|pairing| pairing.quads == Quads::All);
+    let smoothed = if all_quads { smoothed } else { split_concave(smoothed) };
     let before = join(&filled, &triangulation.same_place).mesh;
     let named = with_regions(&smoothed, surface, mosaic, &below, &kept);
     let Joined { mesh, branches } = join(&named, &triangulation.joints(&kept));

@@ -2,7 +2,7 @@
 
 use quadmosaic::mesh::quality::{Quality, scaled_jacobian};
 use quadmosaic::mesh::smooth::Smoothed;
-use quadmosaic::mesh::unfold::unfold;
+use quadmosaic::mesh::unfold::{split_concave, unfold};
 use quadmosaic::mesh::{Mesh, Metric};
 use quadmosaic::surface::{FeatureOptions, Soup, Surface};
 
@@ -90,4 +90,27 @@ fn good_faces_stay_and_twice_is_the_same() {
     let far = unfold(&Metric::default(), &surface, &folded);
     assert_eq!(far.mesh.points[at(0, 0)], folded.mesh.points[at(0, 0)]);
     assert_ne!(far, folded);
+}
+
+#[test]
+fn a_concave_quad_becomes_two_triangles_from_its_reflex_corner() {
+    // Each corner in turn is pushed over the diagonal of its neighbours.
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    for corner in 0..4 {
+        let mut points = square.map(|[x, y]| [x, y, 0.0]);
+        let [x, y] = square[(corner + 2) % 4];
+        points[corner] = [0.5 + 0.2 * (x - 0.5), 0.5 + 0.2 * (y - 0.5), 0.0];
+        let mut mesh = Mesh::new(points.to_vec());
+        mesh.push_face(&[0, 1, 2, 3]);
+        let split = split_concave(mesh);
+        assert_eq!(split.face_count(), 2);
+        assert!(split.faces().all(|face| face.len() == 3 && face.contains(&(corner as u32))));
+        let turn = |face: &[u32]| {
+            let [a, b, c] = [0, 1, 2].map(|k| points[face[k] as usize]);
+            (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        };
+        assert!(split.faces().all(|face| turn(face) > 0.0), "corner {corner}");
+    }
+    let whole = grid(&plate(), &[]).mesh;
+    assert_eq!(split_concave(whole.clone()), whole);
 }

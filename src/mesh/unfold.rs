@@ -56,6 +56,33 @@ pub fn unfold(metric: &Metric, surface: &Surface, smoothed: &Smoothed) -> Smooth
     Smoothed { mesh: work.mesh, below: work.below }
 }
 
+/// Two triangles in place of each quad that is still concave, cut from its reflex corner.
+pub fn split_concave(mesh: Mesh) -> Mesh {
+    let corners = |face: &[u32]| -> Option<[[f64; 3]; 4]> {
+        let &[a, b, c, d] = face else { return None };
+        Some([a, b, c, d].map(|v| mesh.points[v as usize])).filter(|&quad| quad_shape(quad) == 0.0)
+    };
+    if mesh.faces().all(|face| corners(face).is_none()) {
+        return mesh;
+    }
+    let mut split = Mesh::new(mesh.points.clone());
+    for face in mesh.faces() {
+        let Some(quad) = corners(face) else {
+            split.push_face(face);
+            continue;
+        };
+        let [p, q, r, s] = quad.map(DVec3::from);
+        let normal = (r - p).cross(s - q);
+        let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).dot(normal);
+        let least = |one, other| area(one).min(area(other));
+        let first = usize::from(least([p, q, r], [p, r, s]) < least([q, r, s], [q, s, p]));
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| face[(first + k) % 4]);
+        split.push_face(&[a, b, c]);
+        split.push_face(&[a, c, d]);
+    }
+    split
+}
+
 fn mean_edge(mesh: &Mesh) -> f64 {
     let point = |v: u32| DVec3::from(mesh.points[v as usize]);
     let sides = || mesh.faces().flat_map(|face| face.iter().zip(face.iter().cycle().skip(1)));
