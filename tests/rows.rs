@@ -29,7 +29,6 @@ fn odd(outcome: &Outcome) -> f64 {
 #[test]
 fn continuous_rows_leave_no_end_and_hardly_an_odd_face() {
     for (name, characteristic, loops) in [("torus", 0, 0), ("sphere", 2, 0), ("block", 0, 0), ("m6", 1, 1)] {
-        let paper = meshed(name, Rows::Paper, 0.0, &Cpu);
         let woven = meshed(name, Rows::Continuous, 1.0, &Cpu);
         let ends = woven.mosaic.row_ends.expect("rows were led on");
         assert_eq!(ends.after, 0, "{name}: {ends:?}");

@@ -17,7 +17,7 @@
 //!
 //! Tried at 6,000 tiles: one, two and six batches of 8 steps gave fish_blub 3.9, 3.9, 3.9 and spot 4.2, 4.2, 4.1 % odd faces
 //! before clean-up; two are kept, for what sizes and guides disturb. In the first of them tiles move by 0.008 tile sides in
-//! the mean on m6_gen, 0.02 on spot, 0.06 after a split; where it is less than [`STILL`] there is no second. At 60,000 tiles, m6_gen and spot: solved at 6,700 and
+//! the mean on m6_gen, 0.02 on spot, 0.06 after a split; where it is less than a hundredth there is no second. At 60,000 tiles, m6_gen and spot: solved at 6,700 and
 //! split 0.62 and 1.55 % odd faces, Qg 0.981 and 0.967; solved at 60,000 0.54 and 1.61 %, Qg 0.985 and 0.971, in twice the time.
 //! Rectangular tiles ([`crate::field::Stretch`]) are taken where rows cross, at the wanted density, and are not relaxed.
 //! Squares laid like that have, at 6,000 points after clean-up and pairing, Qr 0.992 on spot, 0.989 on fandisk and 0.993 on
