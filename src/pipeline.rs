@@ -266,8 +266,12 @@ fn meshed(
             // Drafts are judged by what smoothing makes of them, so what they are compared with is smoothed too.
             let anchors = anchors.of(&kept);
             let calm = smooth_in(&Metric::new(&anchors), surface, &cleaned, &below, options.smoothing.min(CALMING));
+            let excess = match options.fineness {
+                Fineness::Points(count) => join_count(&triangulation.joints(&kept)) as i64 - count as i64,
+                Fineness::Size(_) | Fineness::Sampled => 0,
+            };
             let Paired { mesh, kept: of_cleaned, below, metric, counts } =
-                pair(surface, &calm.mesh, &anchors, &calm.below, pairing);
+                pair(surface, &calm.mesh, &anchors, &calm.below, &PairOptions { excess, ..*pairing });
             let kept = of_cleaned.iter().map(|&v| kept.get(v as usize).copied().unwrap_or(NONE)).collect();
             (mesh, below, kept, metric, Some(counts))
         }
@@ -288,6 +292,11 @@ fn meshed(
     let Joined { mesh, branches } = join(&named, &triangulation.joints(&kept));
     let [before, mesh] = [before, mesh].map(|mesh| mesh.placed(surface.frame()));
     Meshed { before, mesh, branches, holes, cleaned: counts, paired: pairs }
+}
+
+/// The number of vertices once those at one place are one; `joints` names the first at the place of each.
+fn join_count(joints: &[u32]) -> usize {
+    (0..).zip(joints).filter(|&(v, &first)| v == first).count()
 }
 
 /// The surface, with the features that tiles so fine can show, how large they are to be, and how many vertices are wanted.

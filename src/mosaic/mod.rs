@@ -329,7 +329,7 @@ impl Layer<'_> {
         if self.field.stretch().is_some() {
             return self.crossed(h, tilt, finer);
         }
-        let mut mosaic = self.sown(h * 3f32.powi(splits), tilt)?;
+        let mut mosaic = self.sown(h * finer as f32, tilt, finer)?;
         for split in 1..=splits {
             mosaic = self.settled(mosaic, h * 3f32.powi(splits - split + 1))?;
             mosaic = self.refined(&mosaic, h * 3f32.powi(splits - split));
@@ -337,11 +337,11 @@ impl Layer<'_> {
         Ok(mosaic)
     }
 
-    /// Tiles at the scale `h` where the rows of the periodic solve cross.
-    fn sown(&self, h: f32, tilt: f32) -> Result<Mosaic, ComputeError> {
+    /// Tiles at the scale `h` where the rows of the periodic solve cross; `finer` times as many rows are made of them later.
+    fn sown(&self, h: f32, tilt: f32, finer: u32) -> Result<Mosaic, ComputeError> {
         let (surface, field) = (self.surface, self.field);
         let mut phases = Phases::solve(surface, field, sides(surface, field, h, tilt), self.backend)?;
-        let row_ends = phases.close(surface, self.rows, self.backend)?;
+        let row_ends = phases.close(surface, self.rows, finer, self.backend)?;
         let mut tiles = lattice::lattice(surface, field, &phases, h);
         if tiles.is_empty() {
             tiles = sow::sow(surface, field, h);
@@ -354,7 +354,7 @@ impl Layer<'_> {
     fn woven(&self, h: f32, tilt: f32, finer: u32) -> Result<Mosaic, ComputeError> {
         let (surface, field) = (self.surface, self.field);
         let mut phases = Phases::solve(surface, field, sides(surface, field, h * finer as f32, tilt), self.backend)?;
-        let row_ends = phases.close(surface, self.rows, self.backend)?;
+        let row_ends = phases.close(surface, self.rows, finer, self.backend)?;
         phases.multiply(finer);
         let mut chart = Chart::new(surface, &phases);
         let tiles = lattice::woven(surface, field, &phases, &chart, h);
@@ -368,7 +368,7 @@ impl Layer<'_> {
     fn crossed(&self, h: f32, tilt: f32, finer: u32) -> Result<Mosaic, ComputeError> {
         let (surface, field) = (self.surface, self.field);
         let mut phases = Phases::solve(surface, field, sides(surface, field, h * finer as f32, tilt), self.backend)?;
-        let row_ends = phases.close(surface, self.rows, self.backend)?;
+        let row_ends = phases.close(surface, self.rows, finer, self.backend)?;
         phases.multiply(finer);
         let mut tiles = lattice::lattice(surface, field, &phases, h);
         if tiles.is_empty() {

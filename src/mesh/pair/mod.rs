@@ -76,11 +76,13 @@ pub struct PairOptions {
     pub longest_row: usize,
     /// Drafts from which a triangle's way out is looked for. Default 10.
     pub drafts: usize,
+    /// How many vertices there are more than wanted, before; the pairing keeps near the count that is wanted. Default 0.
+    pub excess: i64,
 }
 
 impl Default for PairOptions {
     fn default() -> Self {
-        Self { quads: Quads::default(), triangle_price: 1.0, least_shape: 0.4, longest_row: 8, drafts: 10 }
+        Self { quads: Quads::default(), triangle_price: 1.0, least_shape: 0.4, longest_row: 8, drafts: 10, excess: 0 }
     }
 }
 
@@ -213,7 +215,7 @@ impl<'a> Work<'a> {
             scene.ideal[v as usize] = ideal_valence(&scene, v);
         }
         let seams = FxHashSet::default();
-        Self { surface, scene, below: below.to_vec(), options: *options, drift: 0, regularity: 0.0, seams }
+        Self { surface, scene, below: below.to_vec(), options: *options, drift: options.excess, regularity: 0.0, seams }
     }
 
     fn triangles(&self) -> Vec<u32> {

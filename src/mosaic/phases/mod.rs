@@ -100,12 +100,19 @@ impl<'a> Phases<'a> {
     /// Leads the ends of rows to where they cancel and solves for the coordinates again.
     ///
     /// Of continuous rows none is left to end: they pass over the whole surface but for singularities of the field, and
-    /// their distances give way. Of the paper's rows those ends go that lie near each other.
+    /// their distances give way. Of the paper's rows those ends go that lie near each other; `finer` times as many rows
+    /// are made of them later.
     ///
     /// # Errors
     /// Where the backend fails.
-    pub fn close(&mut self, surface: &Surface, rows: Rows, backend: &dyn Backend) -> Result<RowEnds, ComputeError> {
-        let ends = self.cancel_row_ends(surface, rows);
+    pub fn close(
+        &mut self,
+        surface: &Surface,
+        rows: Rows,
+        finer: u32,
+        backend: &dyn Backend,
+    ) -> Result<RowEnds, ComputeError> {
+        let ends = self.cancel_row_ends(surface, rows, finer);
         let cones: Vec<Cone> = match rows {
             Rows::Paper => Vec::new(),
             Rows::Continuous => (0..surface.triangle_count() as u32).filter_map(|t| self.cone(t)).collect(),

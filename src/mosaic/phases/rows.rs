@@ -20,7 +20,8 @@ use std::collections::BinaryHeap;
 
 /// What an edge costs at least, in the weighted square of a tile side.
 const LEAST_COST: f64 = 0.02;
-/// What a way may cost, in the weighted square of a tile side, that takes away ends of rows of equal tiles.
+/// What a way may cost, in the weighted square of a tile side, that takes away ends of rows of equal tiles. Where each tile
+/// is split afterwards into n by n, it is an n-th: sides give way over n times as many rows.
 const WORTH: f64 = 12.0;
 
 /// What became of the ends of rows.
@@ -93,7 +94,7 @@ const NOWHERE: u32 = u32::MAX;
 impl Phases<'_> {
     /// Moves the ends of rows to where they cancel: all of them, or those of equal tiles for which the way is worth it; the
     /// places of the rows must be solved for again.
-    pub(super) fn cancel_row_ends(&mut self, surface: &Surface, rows: Rows) -> RowEnds {
+    pub(super) fn cancel_row_ends(&mut self, surface: &Surface, rows: Rows, finer: u32) -> RowEnds {
         let triangles = surface.triangle_count() as u32;
         let sinks: Vec<bool> = (0..triangles).map(|t| self.quarters_round(t) != 0).collect();
         let charges: Vec<[i32; 2]> =
@@ -145,7 +146,7 @@ impl Phases<'_> {
         };
         let mut path_edges = 0;
         loop {
-            let crossed = flow.round(if rows == Rows::Paper { WORTH } else { f64::INFINITY });
+            let crossed = flow.round(if rows == Rows::Paper { WORTH / f64::from(finer) } else { f64::INFINITY });
             path_edges += crossed;
             if crossed == 0 {
                 break;
