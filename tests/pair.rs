@@ -144,7 +144,9 @@ impl Grid {
             factors: Vec::new(),
             fixed,
         };
-        let result = pair(&surface, &mesh, &anchors, &below, options);
+        // As many vertices as the whole grid has are wanted.
+        let excess = self.points.len() as i64 - i64::from((SIDE + 1).pow(2));
+        let result = pair(&surface, &mesh, &anchors, &below, &PairOptions { excess, ..*options });
         assert_eq!((result.kept.len(), result.below.len()), (result.mesh.points.len(), result.mesh.points.len()));
         (mesh, result.mesh, result.counts)
     }

@@ -193,7 +193,7 @@ const MOST: f64 = 2.6;
 /// The count of vertices changes by one in so many at most, since so many were asked for, ...
 const DRIFT: i64 = 150;
 /// ... but on small meshes by this.
-const LEAST_DRIFT: i64 = 8;
+const LEAST_DRIFT: i64 = 2;
 /// The price of a triangle where all are to go.
 const DEAR: f64 = 3.0;
 /// What a squared difference of a valence costs, in perfect quads, where all are quads.
