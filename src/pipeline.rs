@@ -341,7 +341,8 @@ pub fn field(
     let align = options.field.align.map(|align| Align { side: align.side.or(Some(side)), ..align });
     let field = Field::new(surface, &FieldOptions { align, ..options.field.clone() }, backend)?;
     if options.aspect != 1.0 {
-        let side = f64::from(sizes.side_for_count(surface, count));
+        // Of equal tiles: where sizes vary it is their mean side.
+        let side = f64::from(mosaic::side_for_count(surface, count));
         let stretch = Stretch::new(surface, &field, &options.field.guides, options.aspect, side, backend)?;
         return Ok(field.with_sizes(sizes).with_stretch(stretch));
     }

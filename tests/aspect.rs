@@ -14,6 +14,7 @@ use quadmosaic::mosaic::Rows;
 use quadmosaic::mosaic::fit::Fit;
 use quadmosaic::mosaic::squares::squares;
 use quadmosaic::pipeline::{Fineness, Options, Outcome, PipelineError, run};
+use quadmosaic::sizes::SizeSample;
 use quadmosaic::surface::Soup;
 use std::f64::consts::TAU;
 
@@ -222,6 +223,23 @@ fn about_odd_singularities_tiles_are_squares() {
     assert!(near.len() > 8 && guided.len() > 10, "{} {}", near.len(), guided.len());
     assert!(mean(&near) < 1.5, "{}", mean(&near));
     assert!(mean(&guided) > 2.0, "{}: long, and along the guide", mean(&guided));
+}
+
+#[test]
+fn as_many_are_squares_whatever_unit_sizes_have() {
+    let guided = |fineness, sizes: &[f64]| {
+        let samples = sizes.iter().map(|&size| SizeSample { point: [1.0, 0.0, 0.0], size });
+        let mut options = options(Guide::vector([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), 3.0, Rows::Paper);
+        options.fineness = fineness;
+        options.sizes.samples = samples.collect();
+        stretched(&outcome(&example("sphere", 6_000), &options)).nearly_square
+    };
+    // Equal tiles of the side 0.1 are 1,257.
+    let points = guided(Fineness::Points(1_257), &[]);
+    let [sampled, coarser] = [0.1, 0.2].map(|size| guided(Fineness::Sampled, &[size]));
+    // The triangles that cuts cross are not the same ones.
+    assert!((sampled / points).ln().abs() < 0.4, "{sampled}, {points}");
+    assert!(coarser > 1.5 * sampled, "{coarser}: squares are so many tiles about a point");
 }
 
 #[test]
