@@ -14,6 +14,7 @@ use crate::mesh::join::{Joined, join};
 use crate::mesh::pair::{PairCounts, PairOptions, Paired, Quads, pair};
 use crate::mesh::regions::with_regions;
 use crate::mesh::smooth::{Smoothed, smooth_in};
+use crate::mesh::touch_up::touch_up;
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::unfold::{split_concave, unfold};
 use crate::mesh::{Mesh, Metric, Triangulation};
@@ -284,7 +285,7 @@ fn meshed(
     clock.begin(Stage::Smooth);
     let smoothed = smooth_in(&metric, surface, &quads, &below, options.smoothing);
     let Smoothed { mesh: smoothed, below } =
-        if options.smoothing > 0 { unfold(&metric, surface, &smoothed) } else { smoothed };
+        if options.smoothing > 0 { touch_up(&metric, surface, &unfold(&metric, surface, &smoothed)) } else { smoothed };
     let all_quads = options.pairing.is_some_and(|pairing| pairing.quads == Quads::All);
     let smoothed = if all_quads { smoothed } else { split_concave(smoothed) };
     let before = join(&filled, &triangulation.same_place).mesh;

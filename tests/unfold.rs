@@ -1,39 +1,13 @@
 //! Unfolding: bad faces get better, on the surface and along its features, and all else stays.
 
+#[path = "common/plate.rs"]
+mod plate;
+
+use plate::{SIDE, at, grid, plate};
 use quadmosaic::mesh::quality::{Quality, scaled_jacobian};
 use quadmosaic::mesh::smooth::Smoothed;
 use quadmosaic::mesh::unfold::{split_concave, unfold};
 use quadmosaic::mesh::{Mesh, Metric};
-use quadmosaic::surface::{FeatureOptions, Soup, Surface};
-
-/// Squares along a side of the grid.
-const SIDE: usize = 6;
-
-/// A square plate of two triangles, the lower right one first.
-fn plate() -> Surface {
-    let n = SIDE as f64;
-    let points = vec![[0.0; 3], [n, 0.0, 0.0], [n, n, 0.0], [0.0, n, 0.0]];
-    let soup = Soup { points, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Soup::default() };
-    Surface::new(&soup, &FeatureOptions::default()).unwrap()
-}
-
-fn at(i: usize, j: usize) -> usize {
-    j * (SIDE + 1) + i
-}
-
-/// A grid of squares on the plate with some vertices elsewhere.
-fn grid(surface: &Surface, moved: &[(usize, [f64; 2])]) -> Smoothed {
-    let mut places: Vec<[f64; 2]> = (0..=SIDE).flat_map(|j| (0..=SIDE).map(move |i| [i as f64, j as f64])).collect();
-    moved.iter().for_each(|&(v, place)| places[v] = place);
-    let mut mesh = Mesh::new(places.iter().map(|&[x, y]| surface.frame().to_unit([x, y, 0.0])).collect());
-    for (i, j) in (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j))) {
-        mesh.push_face(&[at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)].map(|v| v as u32));
-    }
-    let n = SIDE as f64;
-    let on_rim = |&[x, y]: &[f64; 2]| x == 0.0 || y == 0.0 || x == n || y == n;
-    let below = places.iter().map(|place| (!on_rim(place)).then_some(u32::from(place[1] > place[0]))).collect();
-    Smoothed { mesh, below }
-}
 
 /// The least scaled Jacobian against the plate's normal.
 fn least(mesh: &Mesh) -> f64 {
@@ -111,6 +85,14 @@ fn a_concave_quad_becomes_two_triangles_from_its_reflex_corner() {
         };
         assert!(split.faces().all(|face| turn(face) > 0.0), "corner {corner}");
     }
+    // Where the cut is an edge of another face already, it would have four faces.
+    let mut points = square.map(|[x, y]| [x, y, 0.0]).to_vec();
+    points[0] = [0.6, 0.6, 0.0];
+    points.push([0.5, 0.5, 1.0]);
+    let mut tent = Mesh::new(points);
+    tent.push_face(&[0, 1, 2, 3]);
+    tent.push_face(&[2, 0, 4]);
+    assert_eq!(split_concave(tent.clone()), tent);
     let whole = grid(&plate(), &[]).mesh;
     assert_eq!(split_concave(whole.clone()), whole);
 }

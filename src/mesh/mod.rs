@@ -5,6 +5,7 @@ pub mod clean;
 mod collapse;
 pub mod compare;
 pub mod connect;
+mod curves;
 mod edit;
 pub mod fill;
 mod intrinsic;
@@ -17,6 +18,7 @@ pub mod regions;
 mod simplices;
 pub mod smooth;
 mod topology;
+pub mod touch_up;
 pub mod triangulate;
 pub mod unfold;
 

@@ -57,7 +57,8 @@ pub fn smooth_in(metric: &Metric, surface: &Surface, mesh: &Mesh, below: &[Optio
     let frames = metric.frames(mesh.faces());
     let worst = (0..mesh.face_count()).map(|f| shape(mesh, &frames, f as u32).1).fold(f64::INFINITY, f64::min);
     let floor = worst.max(FLOOR);
-    let colours = colours(mesh, &incidence, below);
+    let free = (0..below.len()).filter(|&v| below[v].is_some());
+    let colours = colours(mesh, &incidence, free);
     for _ in 0..passes {
         for colour in &colours {
             let moves: Vec<Option<(u32, Vec3)>> = colour
@@ -120,13 +121,13 @@ fn better(
     })
 }
 
-/// The vertices that move, in sets of which no two share a face.
-fn colours(mesh: &Mesh, incidence: &Incidence, below: &[Option<u32>]) -> Vec<Vec<u32>> {
+/// Vertices that have faces, in sets of which no two share a face.
+pub(super) fn colours(mesh: &Mesh, incidence: &Incidence, vertices: impl Iterator<Item = usize>) -> Vec<Vec<u32>> {
     const NONE: u8 = u8::MAX;
     let mut colour = vec![NONE; mesh.points.len()];
     let mut sets: Vec<Vec<u32>> = Vec::new();
     let mut taken = Vec::new();
-    for v in (0..below.len()).filter(|&v| below[v].is_some() && !incidence.faces_at(v).is_empty()) {
+    for v in vertices.filter(|&v| !incidence.faces_at(v).is_empty()) {
         taken.clear();
         taken.resize(sets.len() + 1, false);
         for &w in incidence.faces_at(v).iter().flat_map(|&f| mesh.face(f as usize)) {
@@ -175,6 +176,17 @@ impl Incidence {
     pub(super) fn faces_at(&self, v: usize) -> &[u32] {
         &self.faces[self.starts[v] as usize..self.starts[v + 1] as usize]
     }
+
+    /// The mean length of the sides that begin at a vertex.
+    pub(super) fn edge(&self, mesh: &Mesh, v: u32) -> f64 {
+        let faces = self.faces_at(v as usize);
+        let sides = faces.iter().map(|&f| {
+            let face = mesh.face(f as usize);
+            let next = face.iter().position(|&w| w == v).map_or(0, |k| (k + 1) % face.len());
+            point(mesh, v).distance(point(mesh, face[next]))
+        });
+        sides.sum::<f64>() / faces.len().max(1) as f64
+    }
 }
 
 fn point(mesh: &Mesh, v: u32) -> DVec3 {
@@ -216,7 +228,7 @@ pub(super) fn regular(count: usize, corner: impl Fn(usize) -> DVec3) -> DVec3 {
 }
 
 /// What a face says and how loudly, with one vertex elsewhere if asked.
-fn shape_with(mesh: &Mesh, frames: &[Frame], face: u32, v: u32, to: Option<DVec3>) -> (f64, f64) {
+pub(super) fn shape_with(mesh: &Mesh, frames: &[Frame], face: u32, v: u32, to: Option<DVec3>) -> (f64, f64) {
     let at = |w: u32| {
         let place = to.filter(|_| w == v).unwrap_or_else(|| point(mesh, w));
         laid(frames.get(face as usize), place).into()
@@ -228,6 +240,6 @@ fn shape_with(mesh: &Mesh, frames: &[Frame], face: u32, v: u32, to: Option<DVec3
     }
 }
 
-fn shape(mesh: &Mesh, frames: &[Frame], face: u32) -> (f64, f64) {
+pub(super) fn shape(mesh: &Mesh, frames: &[Frame], face: u32) -> (f64, f64) {
     shape_with(mesh, frames, face, 0, None)
 }

@@ -13,11 +13,11 @@
 //! of plane at 6,000 points fell by 0.005, with this one by 0.001 to 0.002. A fold of several faces may stay: each of their
 //! vertices alone finds no better place.
 
+use super::curves::Curves;
 use super::metric::laid;
 use super::quality::{quad_shape, scaled_jacobian, triangle_shape};
 use super::smooth::{Incidence, Smoothed};
 use super::{Mesh, Metric};
-use crate::surface::nearest::nearest_on_segment;
 use crate::surface::{Surface, WALK_EDGES, walk};
 use glam::DVec3;
 
@@ -33,10 +33,6 @@ const STRIDES: [f64; 4] = [0.4, 0.2, 0.08, 0.03];
 const DIRECTIONS: u32 = 8;
 /// A move must make the faces so much better, in squared measures.
 const GAIN: f64 = 1e-4;
-/// A vertex on a feature curve goes this share of the way to its neighbour there at most.
-const NEAREST: f64 = 0.4;
-/// How far a vertex on a feature curve may be from it by rounding, unit-sized.
-const CLOSE: f64 = 1e-5;
 
 /// Moves vertices of bad faces so that the faces about each become better, their shapes measured in a metric; others stay.
 pub fn unfold(metric: &Metric, surface: &Surface, smoothed: &Smoothed) -> Smoothed {
@@ -56,7 +52,7 @@ pub fn unfold(metric: &Metric, surface: &Surface, smoothed: &Smoothed) -> Smooth
     Smoothed { mesh: work.mesh, below: work.below }
 }
 
-/// Two triangles in place of each quad that is still concave, cut from its reflex corner.
+/// Two triangles in place of each quad that is still concave, cut from its reflex corner; not where the cut is an edge already.
 pub fn split_concave(mesh: Mesh) -> Mesh {
     let corners = |face: &[u32]| -> Option<[[f64; 3]; 4]> {
         let &[a, b, c, d] = face else { return None };
@@ -65,6 +61,14 @@ pub fn split_concave(mesh: Mesh) -> Mesh {
     if mesh.faces().all(|face| corners(face).is_none()) {
         return mesh;
     }
+    let incidence = Incidence::new(&mesh);
+    let joined = |a: u32, b: u32| {
+        let beside = |face: &[u32]| {
+            let at = face.iter().position(|&v| v == a);
+            at.is_some_and(|k| face[(k + 1) % face.len()] == b || face[(k + face.len() - 1) % face.len()] == b)
+        };
+        incidence.faces_at(a as usize).iter().any(|&f| beside(mesh.face(f as usize)))
+    };
     let mut split = Mesh::new(mesh.points.clone());
     for face in mesh.faces() {
         let Some(quad) = corners(face) else {
@@ -77,6 +81,10 @@ pub fn split_concave(mesh: Mesh) -> Mesh {
         let least = |one, other| area(one).min(area(other));
         let first = usize::from(least([p, q, r], [p, r, s]) < least([q, r, s], [q, s, p]));
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| face[(first + k) % 4]);
+        if joined(a, c) {
+            split.push_face(face);
+            continue;
+        }
         split.push_face(&[a, b, c]);
         split.push_face(&[a, c, d]);
     }
@@ -97,7 +105,7 @@ struct Work<'a> {
     incidence: Incidence,
     mean_edge: f64,
     /// The surface's feature curves, once they are asked for.
-    curves: Option<Vec<Polyline>>,
+    curves: Option<Curves>,
 }
 
 impl Work<'_> {
@@ -114,7 +122,7 @@ impl Work<'_> {
     /// Moves a vertex to the best of the places about it, if one is better than its own.
     fn improve(&mut self, v: u32) -> bool {
         let here = self.point(v);
-        let edge = self.edge(v);
+        let edge = self.incidence.edge(&self.mesh, v);
         let (bad, least) = self.badness(v);
         let mut best = (bad - GAIN, None);
         for stride in STRIDES {
@@ -158,43 +166,16 @@ impl Work<'_> {
 
     /// The places at a distance from a vertex on a feature curve, before and after it; none where it has to stay.
     fn along_curve(&mut self, v: u32, distance: f64) -> Vec<DVec3> {
-        let here = self.point(v);
-        let curves = self.curves.take().unwrap_or_else(|| polylines(self.surface));
-        let found = curves.iter().find_map(|curve| Some((curve, curve.locate(here)?)));
-        let places = found.map_or(Vec::new(), |(curve, at)| {
-            let faces = self.incidence.faces_at(v as usize).iter().flat_map(|&f| self.mesh.face(f as usize));
-            let others = faces.filter(|&&w| w != v && self.below[w as usize].is_none());
-            let ways = others.filter_map(|&w| Some(curve.way(at, curve.locate(self.point(w))?)));
-            let (mut before, mut after) = (0.0_f64, 0.0_f64);
-            for way in ways.flatten() {
-                let nearest = if way < 0.0 { &mut before } else { &mut after };
-                if *nearest == 0.0 || way.abs() < nearest.abs() {
-                    *nearest = way;
-                }
-            }
-            if curve.is_end(at) || before == 0.0 || after == 0.0 {
-                return Vec::new();
-            }
-            let steps = [(-distance).max(NEAREST * before), distance.min(NEAREST * after)];
-            steps.map(|step| curve.at(at + step)).to_vec()
-        });
+        let curves = self.curves.take().unwrap_or_else(|| Curves::new(self.surface));
+        let about = self.incidence.faces_at(v as usize).iter().flat_map(|&f| self.mesh.face(f as usize));
+        let others = about.filter(|&&w| w != v && self.below[w as usize].is_none()).map(|&w| self.point(w));
+        let places = curves.beside(self.point(v), others, distance);
         self.curves = Some(curves);
         places
     }
 
     fn point(&self, v: u32) -> DVec3 {
         DVec3::from(self.mesh.points[v as usize])
-    }
-
-    /// The mean length of the sides that begin at a vertex.
-    fn edge(&self, v: u32) -> f64 {
-        let faces = self.incidence.faces_at(v as usize);
-        let sides = faces.iter().map(|&f| {
-            let face = self.mesh.face(f as usize);
-            let next = face.iter().position(|&w| w == v).map_or(0, |k| (k + 1) % face.len());
-            self.point(v).distance(self.point(face[next]))
-        });
-        sides.sum::<f64>() / faces.len().max(1) as f64
     }
 
     /// How bad the faces at a vertex are, and the least measure of them.
@@ -227,72 +208,5 @@ impl Work<'_> {
         let areas = (0..count).map(|k| (at(k + 1) - at(k)).cross(at(k + count - 1) - at(k)).dot(up));
         let least = areas.fold(f64::INFINITY, f64::min);
         if least < 0.0 { least / self.mean_edge.powi(2) } else { value }
-    }
-}
-
-/// A feature curve of the surface.
-struct Polyline {
-    points: Vec<DVec3>,
-    /// How far each point is along it.
-    arcs: Vec<f64>,
-    closed: bool,
-}
-
-/// The surface's feature curves that only one sheet has.
-fn polylines(surface: &Surface) -> Vec<Polyline> {
-    let shared = surface.shared_places();
-    let curves = surface.features().curves().iter();
-    curves
-        .filter(|curve| !curve.vertices.iter().any(|&v| shared[v as usize]))
-        .map(|curve| {
-            let points = curve.vertices.iter().map(|&v| DVec3::from(surface.point(v))).collect();
-            Polyline::new(points, curve.closed)
-        })
-        .collect()
-}
-
-impl Polyline {
-    fn new(points: Vec<DVec3>, closed: bool) -> Self {
-        let mut arcs = vec![0.0];
-        for ends in points.windows(2) {
-            arcs.push(arcs[arcs.len() - 1] + ends[0].distance(ends[1]));
-        }
-        Self { points, arcs, closed }
-    }
-
-    fn length(&self) -> f64 {
-        self.arcs[self.arcs.len() - 1]
-    }
-
-    /// How far along the curve a point on it is.
-    fn locate(&self, point: DVec3) -> Option<f64> {
-        (1..self.points.len())
-            .map(|k| {
-                let foot = nearest_on_segment(point, self.points[k - 1], self.points[k]);
-                (foot.distance(point), self.arcs[k - 1] + foot.distance(self.points[k - 1]))
-            })
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(distance, _)| *distance < CLOSE)
-            .map(|(_, arc)| arc)
-    }
-
-    /// Whether a place is at an end of the curve.
-    fn is_end(&self, arc: f64) -> bool {
-        !self.closed && (arc < CLOSE || arc > self.length() - CLOSE)
-    }
-
-    /// The way from one place to another, and round the other way where the curve is closed.
-    fn way(&self, from: f64, to: f64) -> Vec<f64> {
-        let way = to - from;
-        if self.closed { vec![way, way - self.length() * way.signum()] } else { vec![way] }
-    }
-
-    /// The point so far along the curve.
-    fn at(&self, arc: f64) -> DVec3 {
-        let arc = if self.closed { arc.rem_euclid(self.length()) } else { arc.clamp(0.0, self.length()) };
-        let k = self.arcs.partition_point(|&passed| passed <= arc).clamp(1, self.arcs.len() - 1);
-        let length = self.arcs[k] - self.arcs[k - 1];
-        let share = if length > 0.0 { (arc - self.arcs[k - 1]) / length } else { 0.0 };
-        self.points[k - 1].lerp(self.points[k], share)
     }
 }

@@ -68,7 +68,7 @@ pub enum Quads {
 pub struct PairOptions {
     /// Which triangles are to become quads. Default [`Quads::Most`].
     pub quads: Quads,
-    /// How much of the sum of shapes a triangle less may cost, in perfect quads. Default 1; 0 asks for better shape.
+    /// How much of the sum of shapes a triangle less may cost, in perfect quads. Default 0.7; 0 asks for better shape.
     pub triangle_price: f64,
     /// No quad gets a smaller shape (Qg) than this unless one about it had. Default 0.4; 0 still refuses concave quads.
     pub least_shape: f64,
@@ -82,7 +82,7 @@ pub struct PairOptions {
 
 impl Default for PairOptions {
     fn default() -> Self {
-        Self { quads: Quads::default(), triangle_price: 1.0, least_shape: 0.4, longest_row: 8, drafts: 10, excess: 0 }
+        Self { quads: Quads::default(), triangle_price: 0.7, least_shape: 0.4, longest_row: 8, drafts: 10, excess: 0 }
     }
 }
 

@@ -12,6 +12,8 @@ use super::{Found, Kind, Work};
 use crate::mesh::metric::laid;
 use glam::DVec3;
 
+/// A quad of a smaller shape is worth a look.
+const POOR: f64 = 0.7;
 /// Irregular vertices of a quad that is worth a look.
 const IRREGULAR: usize = 2;
 
@@ -26,7 +28,7 @@ impl Work<'_> {
                 let frame = self.scene.metric.frame(corners);
                 let points: Vec<DVec3> = corners.iter().map(|v| laid(frame.as_ref(), draft.point(*v))).collect();
                 let irregular = || corners.iter().filter(|&&v| draft.irregularity(v, 0) > 0.0).count();
-                quality(&points) < self.options.least_shape || (self.regularity > 0.0 && irregular() >= IRREGULAR)
+                quality(&points) < POOR || (self.regularity > 0.0 && irregular() >= IRREGULAR)
             })
             .collect()
     }

@@ -1,0 +1,139 @@
+//! The last touch: each vertex of an imperfect face goes to the place where the sum of its faces' shapes is greatest.
+//!
+//! # Theory
+//! Smoothing draws vertices to the mean of what their faces want, which is the best place for faces that are nearly squares.
+//! About irregular vertices it is not: there a vertex tries the eight directions in its tangent plane (a pattern search), and
+//! one on a feature curve both ways along it. A move is kept where the sum of the shapes rises on the surface itself and the
+//! least of them does not fall, or not below a floor.
+//!
+//! # Practice
+//! At 6,000 points Qg of anchor rises from 0.951 to 0.955, of plane from 0.908 to 0.914, of fandisk and spot by 0.002; of the
+//! gain on anchor half is the feature vertices'. Faces of a shape up to 0.9 instead of 0.8 add 0.001 in twice the time.
+
+use super::curves::Curves;
+use super::metric::Frame;
+use super::smooth::{Incidence, Smoothed, colours, shape, shape_with};
+use super::{Mesh, Metric};
+use crate::surface::{Surface, WALK_EDGES, walk};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Faces of a smaller shape are imperfect.
+const IMPERFECT: f64 = 0.8;
+/// Rounds over them.
+const ROUNDS: usize = 4;
+/// How far a vertex tries to go, in edges.
+const STRIDES: [f64; 4] = [0.2, 0.1, 0.05, 0.025];
+/// Directions that it tries.
+const DIRECTIONS: u32 = 8;
+/// A move must add so much to the sum of shapes.
+const GAIN: f64 = 1e-3;
+/// Shapes above this may fall to it for the good of others.
+const FLOOR: f64 = 0.5;
+
+/// Where a vertex goes, and the triangle of the surface below; `None` on features.
+type Place = (DVec3, Option<u32>);
+
+/// Moves the vertices of imperfect faces; shapes are measured in a metric.
+pub fn touch_up(metric: &Metric, surface: &Surface, smoothed: &Smoothed) -> Smoothed {
+    let mut result = smoothed.clone();
+    let incidence = Incidence::new(&result.mesh);
+    let frames = metric.frames(result.mesh.faces());
+    let curves = Curves::new(surface);
+    for _ in 0..ROUNDS {
+        let mut moved = false;
+        for colour in colours(&result.mesh, &incidence, imperfect(&result.mesh, &frames).into_iter()) {
+            let scene = Scene { surface, curves: &curves, smoothed: &result, frames: &frames, incidence: &incidence };
+            let moves: Vec<Option<Place>> = colour.par_iter().map(|&v| scene.better(v)).collect();
+            for (&v, place) in colour.iter().zip(moves) {
+                if let Some((place, below)) = place {
+                    result.mesh.points[v as usize] = place.into();
+                    result.below[v as usize] = below;
+                    moved = true;
+                }
+            }
+        }
+        if !moved {
+            break;
+        }
+    }
+    result
+}
+
+/// The vertices of imperfect faces, in order.
+fn imperfect(mesh: &Mesh, frames: &[Frame]) -> Vec<usize> {
+    let faces = (0..mesh.face_count()).filter(|&f| shape(mesh, frames, f as u32).1 < IMPERFECT);
+    let mut vertices: Vec<usize> = faces.flat_map(|f| mesh.face(f)).map(|&v| v as usize).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
+}
+
+struct Scene<'a> {
+    surface: &'a Surface,
+    curves: &'a Curves,
+    smoothed: &'a Smoothed,
+    frames: &'a [Frame],
+    incidence: &'a Incidence,
+}
+
+impl Scene<'_> {
+    /// The best place found about a vertex, if it is better than its own.
+    fn better(&self, v: u32) -> Option<Place> {
+        let own = (self.point(v), self.smoothed.below[v as usize]);
+        let edge = self.incidence.edge(&self.smoothed.mesh, v);
+        let (mut sum, least) = self.judge(v, own.0);
+        let mut best = own;
+        for stride in STRIDES {
+            let tried = self.places(v, best, stride * edge).into_iter().map(|place| (self.judge(v, place).0, place));
+            let Some((_, place)) = tried.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(hope, _)| *hope > sum + GAIN)
+            else {
+                continue;
+            };
+            let (place, below) = self.laid(best, place);
+            let (new_sum, new_least) = self.judge(v, place);
+            if new_sum > sum + GAIN && new_least >= least.min(FLOOR) {
+                (sum, best) = (new_sum, (place, below));
+            }
+        }
+        (best.0 != own.0).then_some(best)
+    }
+
+    /// The places at a distance that a vertex may go to: in the tangent plane, or on its feature curve.
+    fn places(&self, v: u32, (here, below): Place, distance: f64) -> Vec<DVec3> {
+        let Some(triangle) = below else {
+            let is_fixed = |w: u32| self.smoothed.below[w as usize].is_none();
+            let about = self.incidence.faces_at(v as usize).iter().flat_map(|&f| self.smoothed.mesh.face(f as usize));
+            let others = about.filter(|&&w| w != v && is_fixed(w)).map(|&w| self.point(w));
+            return self.curves.beside(here, others, distance);
+        };
+        let (across, along) = self.surface.normal(triangle as usize).as_dvec3().any_orthonormal_pair();
+        (0..DIRECTIONS)
+            .map(|k| {
+                let (s, c) = (f64::from(k) * std::f64::consts::TAU / f64::from(DIRECTIONS)).sin_cos();
+                here + (across * c + along * s) * distance
+            })
+            .collect()
+    }
+
+    /// A place near one on the surface, laid on it by a walk; on a feature curve it is there already.
+    fn laid(&self, (here, below): Place, place: DVec3) -> Place {
+        let Some(triangle) = below else { return (place, None) };
+        let barrier = |h| self.surface.features().is_feature(h);
+        let foot = walk(self.surface, barrier, triangle, here.as_vec3(), (place - here).as_vec3(), WALK_EDGES);
+        (foot.position.as_dvec3(), Some(foot.triangle))
+    }
+
+    /// The sum of the shapes at a vertex, triangles counting less, and the least, if it were at a place.
+    fn judge(&self, v: u32, place: DVec3) -> (f64, f64) {
+        let faces = self.incidence.faces_at(v as usize).iter();
+        faces.fold((0.0, f64::INFINITY), |(sum, least), &f| {
+            let (weight, shape) = shape_with(&self.smoothed.mesh, self.frames, f, v, Some(place));
+            (sum + if weight > 0.0 { weight * shape } else { 0.0 }, least.min(shape))
+        })
+    }
+
+    fn point(&self, v: u32) -> DVec3 {
+        DVec3::from(self.smoothed.mesh.points[v as usize])
+    }
+}
