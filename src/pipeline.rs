@@ -16,7 +16,7 @@ use crate::mesh::regions::with_regions;
 use crate::mesh::smooth::{Smoothed, smooth_in};
 use crate::mesh::touch_up::touch_up;
 use crate::mesh::triangulate::triangulate;
-use crate::mesh::unfold::{split_concave, unfold};
+use crate::mesh::unfold::{split_folded, unfold};
 use crate::mesh::{Mesh, Metric, Triangulation};
 use crate::mosaic::fitting::fitting;
 use crate::mosaic::{self, Effort, Layer, Mosaic, Rows};
@@ -287,7 +287,7 @@ fn meshed(
     let Smoothed { mesh: smoothed, below } =
         if options.smoothing > 0 { touch_up(&metric, surface, &unfold(&metric, surface, &smoothed)) } else { smoothed };
     let all_quads = options.pairing.is_some_and(|pairing| pairing.quads == Quads::All);
-    let smoothed = if all_quads { smoothed } else { split_concave(smoothed) };
+    let smoothed = if all_quads { smoothed } else { split_folded(smoothed) };
     let before = join(&filled, &triangulation.same_place).mesh;
     let named = with_regions(&smoothed, surface, mosaic, &below, &kept);
     let Joined { mesh, branches } = join(&named, &triangulation.joints(&kept));

@@ -27,6 +27,8 @@ const POOR: f64 = 0.3;
 const TRIANGLE: f64 = 2.0;
 /// Rounds over them.
 const ROUNDS: usize = 12;
+/// A quad whose scaled Jacobian is smaller may be split.
+const FOLDED: f64 = 0.2;
 /// How far a vertex tries to go, in edges.
 const STRIDES: [f64; 4] = [0.4, 0.2, 0.08, 0.03];
 /// Directions that it tries.
@@ -52,13 +54,11 @@ pub fn unfold(metric: &Metric, surface: &Surface, smoothed: &Smoothed) -> Smooth
     Smoothed { mesh: work.mesh, below: work.below }
 }
 
-/// Two triangles in place of each quad that is still concave, cut from its reflex corner; not where the cut is an edge already.
-pub fn split_concave(mesh: Mesh) -> Mesh {
-    let corners = |face: &[u32]| -> Option<[[f64; 3]; 4]> {
-        let &[a, b, c, d] = face else { return None };
-        Some([a, b, c, d].map(|v| mesh.points[v as usize])).filter(|&quad| quad_shape(quad) == 0.0)
-    };
-    if mesh.faces().all(|face| corners(face).is_none()) {
+/// Two triangles in place of each quad that is still concave, cut from its reflex corner, and of each whose scaled Jacobian
+/// is below 0.2 where they have better shapes than it; not where the cut is an edge already.
+pub fn split_folded(mesh: Mesh) -> Mesh {
+    let cuts: Vec<Option<usize>> = mesh.faces().map(|face| cut(&mesh, face)).collect();
+    if cuts.iter().all(Option::is_none) {
         return mesh;
     }
     let incidence = Incidence::new(&mesh);
@@ -70,25 +70,34 @@ pub fn split_concave(mesh: Mesh) -> Mesh {
         incidence.faces_at(a as usize).iter().any(|&f| beside(mesh.face(f as usize)))
     };
     let mut split = Mesh::new(mesh.points.clone());
-    for face in mesh.faces() {
-        let Some(quad) = corners(face) else {
-            split.push_face(face);
-            continue;
-        };
-        let [p, q, r, s] = quad.map(DVec3::from);
-        let normal = (r - p).cross(s - q);
-        let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).dot(normal);
-        let least = |one, other| area(one).min(area(other));
-        let first = usize::from(least([p, q, r], [p, r, s]) < least([q, r, s], [q, s, p]));
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| face[(first + k) % 4]);
-        if joined(a, c) {
-            split.push_face(face);
-            continue;
+    for (face, cut) in mesh.faces().zip(cuts) {
+        let corners = cut.map(|first| [0, 1, 2, 3].map(|k| face[(first + k) % 4]));
+        match corners.filter(|[a, _, c, _]| !joined(*a, *c)) {
+            Some([a, b, c, d]) => {
+                split.push_face(&[a, b, c]);
+                split.push_face(&[a, c, d]);
+            }
+            None => split.push_face(face),
         }
-        split.push_face(&[a, b, c]);
-        split.push_face(&[a, c, d]);
     }
     split
+}
+
+/// The corner of a face, 0 or 1, from which it is to be cut, if it is.
+fn cut(mesh: &Mesh, face: &[u32]) -> Option<usize> {
+    let &[a, b, c, d] = face else { return None };
+    let quad = [a, b, c, d].map(|v| mesh.points[v as usize]);
+    if scaled_jacobian(quad) >= FOLDED {
+        return None;
+    }
+    let [p, q, r, s] = quad.map(DVec3::from);
+    let normal = (r - p).cross(s - q);
+    let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).dot(normal);
+    let halves = [[[p, q, r], [p, r, s]], [[q, r, s], [q, s, p]]];
+    let least = halves.map(|[one, other]| area(one).min(area(other)));
+    let first = usize::from(least[0] < least[1]);
+    let worst = halves[first].map(|half| triangle_shape(half.map(DVec3::into))).into_iter().fold(1.0, f64::min);
+    (quad_shape(quad) == 0.0 || worst > quad_shape(quad)).then_some(first)
 }
 
 fn mean_edge(mesh: &Mesh) -> f64 {
