@@ -347,6 +347,24 @@ fn a_quad_between_two_vertices_of_valence_three_goes() {
 }
 
 #[test]
+fn a_vertex_that_two_faces_have_goes_and_then_the_next() {
+    // Quads that overlap: about `inner` two of them, about `outer` three.
+    let (mut grid, corners) = (Grid::new(), [at(5, 5), at(6, 5), at(6, 6), at(5, 6)]);
+    grid.faces.retain(|face| face[0] != corners[0]);
+    let outer = grid.points.len() as u32;
+    let inner = outer + 1;
+    let [a, b, c, d] = corners;
+    grid.points.extend([[5.6, 5.6], [5.5, 5.5]]);
+    grid.faces.extend([vec![a, b, outer, inner], vec![d, a, inner, outer], vec![b, c, d, outer]]);
+    let (before, after, counts) = grid.paired(&PairOptions::default());
+    assert_eq!((counts.dissolved, after.points.len()), (2, before.points.len() - 2), "{counts:?}");
+    assert_eq!(after.face_count(), before.face_count() - 2);
+    assert_all_quads(&after);
+    let (_, _, counts) = grid.with_features(&[[a, inner]]).paired(&PairOptions::default());
+    assert_eq!(counts.dissolved, 0, "a vertex on a feature stays");
+}
+
+#[test]
 fn the_same_twice_and_nothing_to_do_is_nothing_done() {
     let grid = Grid::new().leaning(3, 7, 5).with_row(2, 6, 9);
     let run = || grid.paired(&PairOptions::default()).1;

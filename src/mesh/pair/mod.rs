@@ -103,6 +103,8 @@ pub struct PairCounts {
     pub turned: usize,
     /// Quads that went when two opposite corners became one.
     pub merged: usize,
+    /// Vertices inside the surface taken out, as only two faces had them.
+    pub dissolved: usize,
     /// Vertices added on open boundaries, so that all faces could be quads.
     pub on_boundaries: usize,
     /// Vertices added on other features, for the same.
@@ -145,6 +147,7 @@ pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u
         work.regularity = REGULARITY;
     }
     work.run(Work::poor, Work::better, &mut counts);
+    counts.dissolved = work.dissolve();
     counts.triangles_after = work.triangles().len();
     let Work { scene, below, .. } = work;
     let Scene { editor, metric, .. } = scene;

@@ -3,12 +3,12 @@
 //! # Theory
 //! Two operations keep all quads quads: an edge between two turns to one of the two other diagonals of their hexagon, and a
 //! quad goes when two opposite corners become one. A vertex of valence 3 beside one of valence 5 vanishes by the first, two of
-//! valence 3 opposite each other in a quad, or one of valence 2, by the second.
+//! valence 3 opposite each other in a quad by the second. A vertex of valence 2 always goes.
 
 use super::draft::Draft;
 use super::rows::rename;
 use super::settle::quality;
-use super::{Found, Kind, Work};
+use super::{Change, Found, Kind, Work};
 use crate::mesh::metric::laid;
 use glam::DVec3;
 
@@ -40,6 +40,44 @@ impl Work<'_> {
         let merged = (0..2).filter_map(|k| merged(&draft, face, k)).map(|draft| (Kind::Merged, draft));
         self.best_of(face, turned.chain(merged).filter(|(_, draft)| draft.is_sound()))
     }
+
+    /// Takes out the vertices inside the surface that two faces alone have, and returns how many those were: one of the faces
+    /// has a straight corner or a reflex one there, whatever the vertex does.
+    pub(super) fn dissolve(&mut self) -> usize {
+        let mut count = 0;
+        for v in 0..self.scene.editor.vertex_count() as u32 {
+            let Some((draft, gone)) = dissolved(&Draft::new(&self.scene), v) else { continue };
+            let change = Change::of(&draft);
+            self.drift -= gone as i64;
+            self.apply(&change, &[]);
+            count += gone;
+        }
+        count
+    }
+}
+
+/// The draft in which a vertex between two faces is no more and they are one, and then those that come to lie so; how many.
+fn dissolved<'a>(draft: &Draft<'a>, v: u32) -> Option<(Draft<'a>, usize)> {
+    let is_loose = |draft: &Draft, v: u32| !draft.is_fixed(v) && draft.around(v).count() == 2;
+    let (mut draft, mut next, mut count) = (draft.clone(), Some(v).filter(|&v| is_loose(draft, v)), 0);
+    while let Some(v) = next {
+        let faces: Vec<u32> = draft.around(v).collect();
+        let others = |face: &u32| {
+            let corners = draft.face(*face);
+            let at = corners.iter().position(|&w| w == v).unwrap_or(0);
+            (1..corners.len()).map(|k| corners[(at + k) % corners.len()]).collect::<Vec<u32>>()
+        };
+        let (mut whole, rest) = (others(&faces[0]), others(&faces[1]));
+        whole.extend(&rest[1..rest.len() - 1]);
+        if whole.len() < 3 {
+            return None;
+        }
+        draft.set_face(faces[0], &whole);
+        draft.set_face(faces[1], &[]);
+        count += 1;
+        next = whole.into_iter().find(|&v| is_loose(&draft, v));
+    }
+    (count > 0 && draft.is_sound()).then_some((draft, count))
 }
 
 /// The drafts in which the edge between a quad and that beyond one of its sides is another diagonal of their hexagon.
