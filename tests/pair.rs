@@ -365,6 +365,21 @@ fn a_vertex_that_two_faces_have_goes_and_then_the_next() {
 }
 
 #[test]
+fn faces_that_lie_on_each_other_are_no_harm() {
+    let mut grid = Grid::new();
+    let [a, b, c, d] = [at(5, 5), at(6, 5), at(6, 6), at(5, 6)];
+    for options in [PairOptions::default(), all()] {
+        grid.faces = vec![vec![a, b, c], vec![a, c, b]];
+        let (before, after, _) = grid.paired(&options);
+        assert_eq!(after.face_count(), before.face_count(), "the same triangle from both sides");
+        // With a quad that has all of the triangle's corners, the vertex between the two goes.
+        grid.faces = vec![vec![a, b, c], vec![a, c, d, b]];
+        let (_, after, counts) = grid.paired(&options);
+        assert_eq!((after.face_count(), counts.dissolved), (1, 1), "{counts:?}");
+    }
+}
+
+#[test]
 fn the_same_twice_and_nothing_to_do_is_nothing_done() {
     let grid = Grid::new().leaning(3, 7, 5).with_row(2, 6, 9);
     let run = || grid.paired(&PairOptions::default()).1;

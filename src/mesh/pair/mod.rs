@@ -335,7 +335,7 @@ impl<'a> Work<'a> {
                 }
                 let Some(next) = draft.across(x, y) else { continue };
                 match draft.face(next).len() {
-                    3 => ends.extend(Kind::Met, cost, [step::meet(draft, triangle, side, next)]),
+                    3 => ends.extend(Kind::Met, cost, step::meet(draft, triangle, side, next)),
                     4 => heap.extend(step::steps(draft, triangle, side, next).filter_map(|step| {
                         let cost = cost + step.cost(draft) + STEP;
                         (cost - HOPE < ends.most() && !seen.contains(&step.key())).then_some(Reached {

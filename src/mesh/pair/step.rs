@@ -13,7 +13,8 @@ pub(super) struct Step {
     gone: [u32; 2],
 }
 
-/// The other four ways to cut the pentagon of a triangle and the quad beyond its side from `x` to `y`.
+/// The other four ways to cut the pentagon of a triangle and the quad beyond one of its sides; none where the quad has all three
+/// of its corners.
 pub(super) fn steps(draft: &Draft, triangle: u32, side: usize, quad: u32) -> impl Iterator<Item = Step> {
     let corners = draft.face(triangle);
     let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
@@ -21,7 +22,8 @@ pub(super) fn steps(draft: &Draft, triangle: u32, side: usize, quad: u32) -> imp
     let at = beyond.iter().position(|&v| v == y).expect("the quad has the triangle's side");
     // The triangle as it is lies about the first.
     let ring = [z, x, beyond[(at + 2) % 4], beyond[(at + 3) % 4], y];
-    (1..5).map(move |tip| {
+    let cuts = if beyond.contains(&z) { 1..1 } else { 1..5 };
+    cuts.map(move |tip| {
         let ring = std::array::from_fn(|k| ring[(tip + k) % 5]);
         Step { triangle, quad, ring, gone: [x, y] }
     })
@@ -58,14 +60,14 @@ impl Step {
     }
 }
 
-/// The quad of a triangle and the one beyond its side, and what it costs.
-pub(super) fn meet<'a>(draft: &Draft<'a>, triangle: u32, side: usize, other: u32) -> (f64, Draft<'a>) {
+/// The quad of a triangle and the one beyond its side, and what it costs; `None` where both have the same corners.
+pub(super) fn meet<'a>(draft: &Draft<'a>, triangle: u32, side: usize, other: u32) -> Option<(f64, Draft<'a>)> {
     let corners = draft.face(triangle);
     let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
-    let tip = *draft.face(other).iter().find(|v| ![x, y].contains(v)).expect("two triangles share two corners");
+    let tip = *draft.face(other).iter().find(|v| !corners.contains(v))?;
     let mut met = draft.clone();
     met.set_face(triangle, &[z, x, tip, y]);
     met.set_face(other, &[]);
     let cost = [x, y].map(|v| draft.irregularity(v, -1) - draft.irregularity(v, 0)).iter().sum();
-    (cost, met)
+    Some((cost, met))
 }

@@ -115,7 +115,7 @@ impl Work<'_> {
         let draft = Draft::new(&self.scene);
         let corners = draft.face(triangle);
         let side = (0..3).find(|&k| corners[k] == x && corners[(k + 1) % 3] == y);
-        let met = side.map(|side| step::meet(&draft, triangle, side, other).1).filter(Draft::is_sound);
+        let met = side.and_then(|side| Some(step::meet(&draft, triangle, side, other)?.1)).filter(Draft::is_sound);
         let Some((change, settled)) =
             met.and_then(|met| Some((Change::of(&met), settle(&met, self.options.triangle_price, 0.0)?)))
         else {
