@@ -365,6 +365,25 @@ fn a_vertex_that_two_faces_have_goes_and_then_the_next() {
 }
 
 #[test]
+fn a_needle_is_cut_anew_with_the_face_beside_it() {
+    // Of the square's three parts, the two that a feature keeps from being one quad.
+    let corners @ [a, b, c, d] = [at(5, 5), at(6, 5), at(6, 6), at(5, 6)];
+    let mut grid = Grid::new();
+    grid.faces.retain(|face| face[0] != corners[0]);
+    let middle = grid.points.len() as u32;
+    grid.points.push([5.45, 5.5]);
+    grid.faces.extend([vec![a, c, middle], vec![a, middle, d], vec![middle, c, d], vec![a, b, c]]);
+    let around = [[a, b], [b, c], [c, d], [d, a]];
+    let worst = |mesh: &Mesh| Quality::of(mesh).tg.map_or(1.0, |spread| spread.min);
+    let (before, after, counts) = grid.clone().with_features(&around).paired(&PairOptions::default());
+    assert!(worst(&before) < 0.1 && worst(&after) > 0.3, "{} {} {counts:?}", worst(&before), worst(&after));
+    // On features its sides stay.
+    let sides = [[a, c], [a, middle], [middle, c]];
+    let (_, after, _) = grid.with_features(&[around.as_slice(), &sides].concat()).paired(&PairOptions::default());
+    assert!(worst(&after) < 0.1);
+}
+
+#[test]
 fn faces_that_lie_on_each_other_are_no_harm() {
     let mut grid = Grid::new();
     let [a, b, c, d] = [at(5, 5), at(6, 5), at(6, 6), at(5, 6)];

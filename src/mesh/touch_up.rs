@@ -124,13 +124,26 @@ impl Scene<'_> {
         (foot.position.as_dvec3(), Some(foot.triangle))
     }
 
-    /// The sum of the shapes at a vertex, triangles counting less, and the least, if it were at a place.
+    /// The sum of the shapes at a vertex, triangles counting less, and the least, if it were at a place; a face that looks away
+    /// from the surface has none.
     fn judge(&self, v: u32, place: DVec3) -> (f64, f64) {
         let faces = self.incidence.faces_at(v as usize).iter();
         faces.fold((0.0, f64::INFINITY), |(sum, least), &f| {
             let (weight, shape) = shape_with(&self.smoothed.mesh, self.frames, f, v, Some(place));
+            let shape = if self.looks_away(f, v, place) { 0.0 } else { shape };
             (sum + if weight > 0.0 { weight * shape } else { 0.0 }, least.min(shape))
         })
+    }
+
+    /// Whether a face, one of its vertices at a place, lies upside down; not where all of its vertices are on features.
+    fn looks_away(&self, face: u32, v: u32, place: DVec3) -> bool {
+        let corners = self.smoothed.mesh.face(face as usize);
+        let below = |&w: &u32| self.smoothed.below[w as usize];
+        let up: DVec3 = corners.iter().filter_map(below).map(|t| self.surface.normal(t as usize).as_dvec3()).sum();
+        let at = |w: u32| if w == v { place } else { self.point(w) };
+        let first = at(corners[0]);
+        let sides = corners.windows(2).skip(1).map(|pair| (at(pair[0]) - first).cross(at(pair[1]) - first));
+        sides.sum::<DVec3>().dot(up) < 0.0
     }
 
     fn point(&self, v: u32) -> DVec3 {

@@ -1,41 +1,54 @@
-//! Quads about irregular vertices or of a bad shape are cut anew, or go.
+//! Quads about irregular vertices and faces of a bad shape are cut anew, or go.
 //!
 //! # Theory
 //! Two operations keep all quads quads: an edge between two turns to one of the two other diagonals of their hexagon, and a
 //! quad goes when two opposite corners become one. A vertex of valence 3 beside one of valence 5 vanishes by the first, two of
-//! valence 3 opposite each other in a quad by the second. A vertex of valence 2 always goes.
+//! valence 3 opposite each other in a quad by the second. A vertex of valence 2 always goes. A thin
+//! triangle is cut anew together with the face beside it.
 
 use super::draft::Draft;
 use super::rows::rename;
 use super::settle::quality;
-use super::{Change, Found, Kind, Work};
+use super::{Change, Found, Kind, Work, step};
 use crate::mesh::metric::laid;
+use crate::mesh::quality::triangle_shape;
 use glam::DVec3;
 
 /// A quad of a smaller shape is worth a look.
 const POOR: f64 = 0.7;
+/// So is a triangle of a smaller one.
+const NEEDLE: f64 = 0.3;
 /// Irregular vertices of a quad that is worth a look.
 const IRREGULAR: usize = 2;
 
 impl Work<'_> {
-    /// The quads that are worth a look.
+    /// The faces that are worth a look.
     pub(super) fn poor(&self) -> Vec<u32> {
         let draft = Draft::new(&self.scene);
         (0..self.scene.editor.face_count() as u32)
-            .filter(|&face| draft.face(face).len() == 4)
             .filter(|&face| {
                 let corners = draft.face(face);
                 let frame = self.scene.metric.frame(corners);
                 let points: Vec<DVec3> = corners.iter().map(|v| laid(frame.as_ref(), draft.point(*v))).collect();
+                if let &[a, b, c] = points.as_slice() {
+                    return triangle_shape([a, b, c].map(DVec3::into)) < NEEDLE;
+                }
+                if points.len() != 4 {
+                    return false;
+                }
                 let irregular = || corners.iter().filter(|&&v| draft.irregularity(v, 0) > 0.0).count();
                 quality(&points) < POOR || (self.regularity > 0.0 && irregular() >= IRREGULAR)
             })
             .collect()
     }
 
-    /// The best that can be done about a quad, if anything gains.
+    /// The best that can be done about a face, if anything gains.
     pub(super) fn better(&self, face: u32) -> Option<Found> {
         let draft = Draft::new(&self.scene);
+        if draft.face(face).len() == 3 {
+            let cut = (0..3).flat_map(|side| recut(&draft, face, side)).map(|draft| (Kind::Turned, draft));
+            return self.best_of(face, cut.filter(|(_, draft)| draft.is_sound()));
+        }
         let turned = (0..4).flat_map(|side| turned(&draft, face, side)).map(|draft| (Kind::Turned, draft));
         let merged = (0..2).filter_map(|k| merged(&draft, face, k)).map(|draft| (Kind::Merged, draft));
         self.best_of(face, turned.chain(merged).filter(|(_, draft)| draft.is_sound()))
@@ -78,6 +91,25 @@ fn dissolved<'a>(draft: &Draft<'a>, v: u32) -> Option<(Draft<'a>, usize)> {
         next = whole.into_iter().find(|&v| is_loose(&draft, v));
     }
     (count > 0 && draft.is_sound()).then_some((draft, count))
+}
+
+/// The drafts in which a triangle and the face beyond one of its sides are cut in another way.
+fn recut<'a>(draft: &Draft<'a>, triangle: u32, side: usize) -> Vec<Draft<'a>> {
+    let corners = draft.face(triangle);
+    let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
+    let Some(other) = draft.across(x, y) else { return Vec::new() };
+    let beyond = draft.face(other);
+    match *beyond {
+        [_, _, _] => {
+            let Some(&tip) = beyond.iter().find(|v| !corners.contains(v)) else { return Vec::new() };
+            let mut result = draft.clone();
+            result.set_face(triangle, &[z, x, tip]);
+            result.set_face(other, &[z, tip, y]);
+            vec![result]
+        }
+        [_, _, _, _] => step::steps(draft, triangle, side, other).map(|step| step.take(draft).0).collect(),
+        _ => Vec::new(),
+    }
 }
 
 /// The drafts in which the edge between a quad and that beyond one of its sides is another diagonal of their hexagon.
