@@ -53,51 +53,97 @@ pub fn smooth_in(metric: &Metric, surface: &Surface, mesh: &Mesh, below: &[Optio
     if passes == 0 {
         return result;
     }
-    let incidence = Incidence::new(mesh);
-    let frames = metric.frames(mesh.faces());
-    let worst = (0..mesh.face_count()).map(|f| shape(mesh, &frames, f as u32).1).fold(f64::INFINITY, f64::min);
-    let floor = worst.max(FLOOR);
+    let mut standing = Standing::new(metric, mesh);
+    let floor = standing.shapes.iter().copied().fold(f64::INFINITY, f64::min).max(FLOOR);
     let free = (0..below.len()).filter(|&v| below[v].is_some());
-    let colours = colours(mesh, &incidence, free);
+    let colours = colours(mesh, &standing.incidence, free);
     for _ in 0..passes {
         for colour in &colours {
-            let moves: Vec<Option<(u32, Vec3)>> = colour
+            let moves: Vec<(u32, u32, Vec3)> = colour
                 .par_iter()
                 .with_min_len(256)
-                .map(|&v| {
-                    let faces = incidence.faces_at(v as usize);
+                .filter(|&&v| standing.waiting[v as usize])
+                .filter_map(|&v| {
                     let here = (v, result.below[v as usize]?);
-                    better(surface, &result.mesh, &frames, here, faces, floor)
+                    let (triangle, place) = better(surface, &result.mesh, &standing, here, floor)?;
+                    Some((v, triangle, place))
                 })
                 .collect();
-            for (&v, moved) in colour.iter().zip(moves) {
-                if let Some((triangle, place)) = moved {
-                    result.mesh.points[v as usize] = place.as_dvec3().into();
-                    result.below[v as usize] = Some(triangle);
-                }
+            for &(v, triangle, place) in &moves {
+                result.mesh.points[v as usize] = place.as_dvec3().into();
+                result.below[v as usize] = Some(triangle);
             }
+            let moved: Vec<u32> = moves.iter().map(|&(v, ..)| v).collect();
+            standing.update(&result.mesh, colour, &moved);
         }
     }
     result
+}
+
+/// The faces of a mesh whose vertices move: what each is worth now, and who has to look again.
+pub(super) struct Standing {
+    pub(super) incidence: Incidence,
+    frames: Vec<Frame>,
+    /// The shape of each face.
+    pub(super) shapes: Vec<f64>,
+    /// Vertices that have a face which changed since they looked for their place last.
+    pub(super) waiting: Vec<bool>,
+}
+
+impl Standing {
+    pub(super) fn new(metric: &Metric, mesh: &Mesh) -> Self {
+        let frames = metric.frames(mesh.faces());
+        let own = |f: usize| shape_with(mesh, frames.get(f), mesh.face(f), None);
+        let shapes = (0..mesh.face_count()).into_par_iter().with_min_len(1024).map(own).collect();
+        Self { incidence: Incidence::new(mesh), shapes, waiting: vec![true; mesh.points.len()], frames }
+    }
+
+    /// Takes note that vertices have looked for their places, and that some of them, no two in one face, have moved.
+    pub(super) fn update(&mut self, mesh: &Mesh, looked: &[u32], moved: &[u32]) {
+        let own = |&f: &u32| (f, shape_with(mesh, self.frames.get(f as usize), mesh.face(f as usize), None));
+        let about = |&v: &u32| self.incidence.faces_at(v as usize).iter().map(own);
+        let changed: Vec<(u32, f64)> = moved.par_iter().with_min_len(256).flat_map_iter(about).collect();
+        looked.iter().for_each(|&v| self.waiting[v as usize] = false);
+        for (f, shape) in changed {
+            self.shapes[f as usize] = shape;
+            mesh.face(f as usize).iter().for_each(|&v| self.waiting[v as usize] = true);
+        }
+    }
+
+    /// The least shape of the faces at a vertex, and the sum of what they say.
+    pub(super) fn judge(&self, mesh: &Mesh, v: u32) -> (f64, f64) {
+        self.fold(mesh, v, |f| self.shapes[f as usize])
+    }
+
+    /// The same if the vertex were at a place.
+    pub(super) fn judge_at(&self, mesh: &Mesh, v: u32, place: DVec3) -> (f64, f64) {
+        self.fold(mesh, v, |f| shape_with(mesh, self.frames.get(f as usize), mesh.face(f as usize), Some((v, place))))
+    }
+
+    fn fold(&self, mesh: &Mesh, v: u32, shape: impl Fn(u32) -> f64) -> (f64, f64) {
+        self.incidence.faces_at(v as usize).iter().fold((f64::INFINITY, 0.0), |(least, sum), &f| {
+            let (weight, shape) = (say(mesh.face(f as usize).len()), shape(f));
+            (shape.min(least), sum + if weight > 0.0 { weight * shape } else { 0.0 })
+        })
+    }
 }
 
 /// Where a vertex goes, if its faces gain by it: the triangle there and the place.
 fn better(
     surface: &Surface,
     mesh: &Mesh,
-    frames: &[Frame],
+    standing: &Standing,
     (v, triangle): (u32, u32),
-    faces: &[u32],
     floor: f64,
 ) -> Option<(u32, Vec3)> {
     let at = point(mesh, v);
+    let faces = standing.incidence.faces_at(v as usize);
     let (mut way, mut weight) = (DVec3::ZERO, 0.0);
     for &f in faces {
         let face = mesh.face(f as usize);
         let place = face.iter().position(|&w| w == v)?;
-        let (share, shape) = shape(mesh, frames, f);
-        let share = share * (if shape < floor { BAD } else { 1.0 });
-        way += (ideal(mesh, frames.get(f as usize), face, place) - at) * share;
+        let share = say(face.len()) * (if standing.shapes[f as usize] < floor { BAD } else { 1.0 });
+        way += (ideal(mesh, standing.frames.get(f as usize), face, place) - at) * share;
         weight += share;
     }
     let normal = surface.normal(triangle as usize).as_dvec3();
@@ -105,17 +151,11 @@ fn better(
     if way.length() < SETTLED * reach(mesh, faces, v) {
         return None;
     }
-    let judge = |to: Option<DVec3>| {
-        faces.iter().fold((f64::INFINITY, 0.0), |(least, sum), &f| {
-            let (weight, shape) = shape_with(mesh, frames, f, v, to);
-            (shape.min(least), sum + if weight > 0.0 { weight * shape } else { 0.0 })
-        })
-    };
-    let (least, sum) = judge(None);
+    let (least, sum) = standing.judge(mesh, v);
     STRIDES.into_iter().find_map(|stride| {
         let barrier = |h| surface.features().is_feature(h);
         let foot = walk(surface, barrier, triangle, at.as_vec3(), way.as_vec3() * stride, WALK_EDGES);
-        let (new_least, new_sum) = judge(Some(foot.position.as_dvec3()));
+        let (new_least, new_sum) = standing.judge_at(mesh, v, foot.position.as_dvec3());
         let worst_rises = least < floor && new_least > least + RISE;
         (new_least >= least.min(floor) && (worst_rises || new_sum > sum)).then_some((foot.triangle, foot.position))
     })
@@ -227,19 +267,24 @@ pub(super) fn regular(count: usize, corner: impl Fn(usize) -> DVec3) -> DVec3 {
     centre + turned.sum::<DVec3>() / count as f64
 }
 
-/// What a face says and how loudly, with one vertex elsewhere if asked.
-pub(super) fn shape_with(mesh: &Mesh, frames: &[Frame], face: u32, v: u32, to: Option<DVec3>) -> (f64, f64) {
-    let at = |w: u32| {
-        let place = to.filter(|_| w == v).unwrap_or_else(|| point(mesh, w));
-        laid(frames.get(face as usize), place).into()
-    };
-    match *mesh.face(face as usize) {
-        [a, b, c] => (TRIANGLE, triangle_shape([a, b, c].map(at))),
-        [a, b, c, d] => (1.0, quad_shape([a, b, c, d].map(at))),
-        _ => (0.0, f64::INFINITY),
+/// How loudly a face speaks.
+fn say(corners: usize) -> f64 {
+    match corners {
+        3 => TRIANGLE,
+        4 => 1.0,
+        _ => 0.0,
     }
 }
 
-pub(super) fn shape(mesh: &Mesh, frames: &[Frame], face: u32) -> (f64, f64) {
-    shape_with(mesh, frames, face, 0, None)
+/// The shape of a face, with one vertex elsewhere if asked; polygons are never the worst.
+fn shape_with(mesh: &Mesh, frame: Option<&Frame>, face: &[u32], moved: Option<(u32, DVec3)>) -> f64 {
+    let at = |w: u32| {
+        let place = moved.filter(|(v, _)| w == *v).map_or_else(|| point(mesh, w), |(_, place)| place);
+        laid(frame, place).into()
+    };
+    match *face {
+        [a, b, c] => triangle_shape([a, b, c].map(at)),
+        [a, b, c, d] => quad_shape([a, b, c, d].map(at)),
+        _ => f64::INFINITY,
+    }
 }

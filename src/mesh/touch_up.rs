@@ -11,8 +11,7 @@
 //! gain on anchor half is the feature vertices'. Faces of a shape up to 0.9 instead of 0.8 add 0.001 in twice the time.
 
 use super::curves::Curves;
-use super::metric::Frame;
-use super::smooth::{Incidence, Smoothed, colours, shape, shape_with};
+use super::smooth::{Smoothed, Standing, colours};
 use super::{Mesh, Metric};
 use crate::surface::{Surface, WALK_EDGES, walk};
 use glam::DVec3;
@@ -37,33 +36,33 @@ type Place = (DVec3, Option<u32>);
 /// Moves the vertices of imperfect faces; shapes are measured in a metric.
 pub fn touch_up(metric: &Metric, surface: &Surface, smoothed: &Smoothed) -> Smoothed {
     let mut result = smoothed.clone();
-    let incidence = Incidence::new(&result.mesh);
-    let frames = metric.frames(result.mesh.faces());
+    let mut standing = Standing::new(metric, &result.mesh);
     let curves = Curves::new(surface);
     for _ in 0..ROUNDS {
-        let mut moved = false;
-        for colour in colours(&result.mesh, &incidence, imperfect(&result.mesh, &frames).into_iter()) {
-            let scene = Scene { surface, curves: &curves, smoothed: &result, frames: &frames, incidence: &incidence };
-            let moves: Vec<Option<Place>> = colour.par_iter().map(|&v| scene.better(v)).collect();
-            for (&v, place) in colour.iter().zip(moves) {
-                if let Some((place, below)) = place {
-                    result.mesh.points[v as usize] = place.into();
-                    result.below[v as usize] = below;
-                    moved = true;
-                }
-            }
-        }
-        if !moved {
+        let imperfect = imperfect(&result.mesh, &standing);
+        if imperfect.is_empty() {
             break;
+        }
+        for colour in colours(&result.mesh, &standing.incidence, imperfect.into_iter()) {
+            let scene = Scene { surface, curves: &curves, smoothed: &result, standing: &standing };
+            let moves: Vec<(u32, Place)> =
+                colour.par_iter().with_min_len(32).filter_map(|&v| Some((v, scene.better(v)?))).collect();
+            for &(v, (place, below)) in &moves {
+                result.mesh.points[v as usize] = place.into();
+                result.below[v as usize] = below;
+            }
+            let moved: Vec<u32> = moves.iter().map(|&(v, _)| v).collect();
+            standing.update(&result.mesh, &colour, &moved);
         }
     }
     result
 }
 
-/// The vertices of imperfect faces, in order.
-fn imperfect(mesh: &Mesh, frames: &[Frame]) -> Vec<usize> {
-    let faces = (0..mesh.face_count()).filter(|&f| shape(mesh, frames, f as u32).1 < IMPERFECT);
+/// The vertices of imperfect faces that have to look for their places, in order.
+fn imperfect(mesh: &Mesh, standing: &Standing) -> Vec<usize> {
+    let faces = (0..mesh.face_count()).filter(|&f| standing.shapes[f] < IMPERFECT);
     let mut vertices: Vec<usize> = faces.flat_map(|f| mesh.face(f)).map(|&v| v as usize).collect();
+    vertices.retain(|&v| standing.waiting[v]);
     vertices.sort_unstable();
     vertices.dedup();
     vertices
@@ -73,25 +72,26 @@ struct Scene<'a> {
     surface: &'a Surface,
     curves: &'a Curves,
     smoothed: &'a Smoothed,
-    frames: &'a [Frame],
-    incidence: &'a Incidence,
+    standing: &'a Standing,
 }
 
 impl Scene<'_> {
     /// The best place found about a vertex, if it is better than its own.
     fn better(&self, v: u32) -> Option<Place> {
         let own = (self.point(v), self.smoothed.below[v as usize]);
-        let edge = self.incidence.edge(&self.smoothed.mesh, v);
-        let (mut sum, least) = self.judge(v, own.0);
+        let edge = self.standing.incidence.edge(&self.smoothed.mesh, v);
+        let mesh = &self.smoothed.mesh;
+        let (least, mut sum) = self.judge(v);
         let mut best = own;
         for stride in STRIDES {
-            let tried = self.places(v, best, stride * edge).into_iter().map(|place| (self.judge(v, place).0, place));
+            let sum_at = |place| self.standing.judge_at(mesh, v, place).1;
+            let tried = self.places(v, best, stride * edge).into_iter().map(|place| (sum_at(place), place));
             let Some((_, place)) = tried.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(hope, _)| *hope > sum + GAIN)
             else {
                 continue;
             };
             let (place, below) = self.laid(best, place);
-            let (new_sum, new_least) = self.judge(v, place);
+            let (new_least, new_sum) = self.judge_at(v, place);
             if new_sum > sum + GAIN && new_least >= least.min(FLOOR) {
                 (sum, best) = (new_sum, (place, below));
             }
@@ -103,7 +103,8 @@ impl Scene<'_> {
     fn places(&self, v: u32, (here, below): Place, distance: f64) -> Vec<DVec3> {
         let Some(triangle) = below else {
             let is_fixed = |w: u32| self.smoothed.below[w as usize].is_none();
-            let about = self.incidence.faces_at(v as usize).iter().flat_map(|&f| self.smoothed.mesh.face(f as usize));
+            let about =
+                self.standing.incidence.faces_at(v as usize).iter().flat_map(|&f| self.smoothed.mesh.face(f as usize));
             let others = about.filter(|&&w| w != v && is_fixed(w)).map(|&w| self.point(w));
             return self.curves.beside(here, others, distance);
         };
@@ -124,15 +125,20 @@ impl Scene<'_> {
         (foot.position.as_dvec3(), Some(foot.triangle))
     }
 
-    /// The sum of the shapes at a vertex, triangles counting less, and the least, if it were at a place; a face that looks away
-    /// from the surface has none.
-    fn judge(&self, v: u32, place: DVec3) -> (f64, f64) {
-        let faces = self.incidence.faces_at(v as usize).iter();
-        faces.fold((0.0, f64::INFINITY), |(sum, least), &f| {
-            let (weight, shape) = shape_with(&self.smoothed.mesh, self.frames, f, v, Some(place));
-            let shape = if self.looks_away(f, v, place) { 0.0 } else { shape };
-            (sum + if weight > 0.0 { weight * shape } else { 0.0 }, least.min(shape))
-        })
+    /// The least shape at a vertex, and the sum; the least is none where a face looks away from the surface.
+    fn judge(&self, v: u32) -> (f64, f64) {
+        let (least, sum) = self.standing.judge(&self.smoothed.mesh, v);
+        (if self.is_turned(v, self.point(v)) { 0.0 } else { least }, sum)
+    }
+
+    /// The same if the vertex were at a place.
+    fn judge_at(&self, v: u32, place: DVec3) -> (f64, f64) {
+        let (least, sum) = self.standing.judge_at(&self.smoothed.mesh, v, place);
+        (if self.is_turned(v, place) { 0.0 } else { least }, sum)
+    }
+
+    fn is_turned(&self, v: u32, place: DVec3) -> bool {
+        self.standing.incidence.faces_at(v as usize).iter().any(|&f| self.looks_away(f, v, place))
     }
 
     /// Whether a face, one of its vertices at a place, lies upside down; not where all of its vertices are on features.

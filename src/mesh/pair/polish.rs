@@ -82,7 +82,7 @@ fn dissolved<'a>(draft: &Draft<'a>, v: u32) -> Option<(Draft<'a>, usize)> {
         };
         let (mut whole, rest) = (others(&faces[0]), others(&faces[1]));
         whole.extend(&rest[1..rest.len() - 1]);
-        if whole.len() < 3 {
+        if !(3..=4).contains(&whole.len()) {
             return None;
         }
         draft.set_face(faces[0], &whole);
