@@ -32,7 +32,7 @@ pub struct Graph<'a> {
 /// The equations of the phases.
 pub fn equations(graph: &Graph) -> Hierarchy {
     let pulls = graph.fixed.iter().map(|&fixed| [f32::from(fixed), 0.0]).collect();
-    let levels = graph.levels(|way, k| TAU * way.by[k], pulls, &vec![0.0; graph.fixed.len()]);
+    let levels = graph.levels(|way, k| (TAU * way.by[k]).sin_cos(), pulls, &vec![0.0; graph.fixed.len()]);
     let start = levels.iter().position(|level| level.len() <= OUTSET).unwrap_or(levels.len() - 1);
     let crosses = flowed(&levels[start], spread(&levels[start]), OUTSET_FLOWS);
     let pace = Pace { descents: 0, flows: FLOWS, last_flows: FLOWS };
@@ -72,7 +72,7 @@ pub fn offsets(surface: &Surface, phases: &Phases, cones: &[Cone]) -> Hierarchy 
     for (pull, _) in pulls.iter_mut().zip(&phases.fixed).filter(|&(_, &fixed)| fixed) {
         *pull = [0.0, 0.0];
     }
-    let levels = graph.levels(|_, _| 0.0, pulls, &held);
+    let levels = graph.levels(|_, _| (0.0, 1.0), pulls, &held);
     let start = levels.len() - 1;
     let crosses = vec![[0.0, 0.0]; levels[start].len()];
     Hierarchy { levels, start, crosses, pace: Pace { descents: OFFSET_DESCENTS, flows: 0, last_flows: 0 } }
@@ -151,16 +151,16 @@ fn readers(unknowns: &[Unknowns], count: usize) -> (Vec<u32>, Vec<[u32; 2]>) {
 }
 
 impl Graph<'_> {
-    /// Links each unknown along all half-edges; `turn` is the angle by which a way turns a value, in radians, `held` the
+    /// Links each unknown along all half-edges; `turn` is the sine and cosine of the angle by which a way turns a value, `held` the
     /// weight with which each unknown is pulled.
-    fn levels(&self, turn: impl Fn(&Way, usize) -> f64 + Sync, pulls: Vec<Complex>, held: &[f32]) -> Vec<Level> {
+    fn levels(&self, turn: impl Fn(&Way, usize) -> (f64, f64) + Sync, pulls: Vec<Complex>, held: &[f32]) -> Vec<Level> {
         let &Self { surface, sectors, ways, unknowns, fixed } = self;
 
         let (reader_starts, readers) = readers(unknowns, fixed.len());
         // What direction `k` of the sector that a half-edge leaves is linked to at its end: the far value, taken back.
         let link = |h: u32, k: u32, end: Unknowns| {
             let way = ways[h as usize];
-            let (s, c) = turn(&way, k as usize).sin_cos();
+            let (s, c) = turn(&way, k as usize);
             let w = weight(sectors, h);
             Link { neighbour: along(end, k + way.quarters), weight: [(w * c) as f32, (-w * s) as f32] }
         };
