@@ -56,6 +56,7 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     let mut work = Work::new(surface, field, mosaic.chart.as_ref());
     let cones = work.place_cones();
     let sites = work.place_sites(surface, mosaic);
+    work.unlock_ends(mosaic, &sites);
     let free = work.place_free(surface, mosaic, &cones);
     let mut is_tile = vec![false; work.faces.leaving.len()];
     sites.iter().chain(&free).for_each(|&vertex| is_tile[vertex as usize] = true);
@@ -232,6 +233,25 @@ impl<'a> Work<'a> {
             }
         }
         vertices
+    }
+
+    /// Lets go of features where they run on past their last tile.
+    fn unlock_ends(&mut self, mosaic: &Mosaic, sites: &[u32]) {
+        let mut is_site = vec![false; self.faces.leaving.len()];
+        sites.iter().for_each(|&vertex| is_site[vertex as usize] = true);
+        let mut ring = Vec::new();
+        let mut ends: Vec<u32> = mosaic.rulers.loose.iter().copied().collect();
+        ends.sort_unstable();
+        for end in ends {
+            let mut vertex = end;
+            while !is_site[vertex as usize] {
+                self.faces.ring(vertex, &mut ring);
+                let Some(&h) = ring.iter().find(|&&h| self.faces.locked[h as usize]) else { break };
+                let twin = self.faces.twin[h as usize];
+                [h, twin].into_iter().filter(|&h| h != NONE).for_each(|h| self.faces.locked[h as usize] = false);
+                vertex = self.faces.target(h);
+            }
+        }
     }
 
     /// The vertex of each free tile.

@@ -44,14 +44,16 @@ const ALL_ROUND: u32 = 5;
 /// The tiles at the scale `h` on the features, and the sides that they are seen from.
 pub fn seat(surface: &Surface, field: &Field, h: f32, rulers: &Rulers) -> (Vec<Site>, Vec<Tile>) {
     let mut seats = Seats::default();
-    seats.at_corners(surface);
+    seats.at_corners(surface, &rulers.loose);
     let mut joined = FxHashSet::default();
     for curve in surface.features().curves() {
         let path = Path::new(surface, field, curve);
         let least = {
             // Few intervals must not make a loop of less than three edges, nor two edges between the same two corners.
             let ends = path.ends(surface);
-            if ends[0] == ends[1] {
+            if rulers.spans.contains_key(&path.key(surface)) {
+                0
+            } else if ends[0] == ends[1] {
                 3
             } else if joined.insert(ends) {
                 1
@@ -68,7 +70,7 @@ pub fn seat(surface: &Surface, field: &Field, h: f32, rulers: &Rulers) -> (Vec<S
                 _ => path.even(((path.length / f64::from(h)).round() as usize).max(least)),
             },
         };
-        seats.along(surface, &path, h, &marks);
+        seats.along(surface, &path, h, &marks, rulers.spans.get(&path.key(surface)).copied());
     }
     let mut tiles = Vec::with_capacity(2 * seats.list.len());
     let mut sites = Vec::with_capacity(seats.list.len());
@@ -88,12 +90,16 @@ fn intervals(marks: &[f64]) -> usize {
 pub struct Rulers {
     marks: FxHashMap<[u32; 2], Vec<f64>>,
     finer: usize,
+    /// Ends of curves that hold no tile.
+    pub(crate) loose: FxHashSet<u32>,
+    /// Between which marks tiles sit, along curves with such ends.
+    spans: FxHashMap<[u32; 2], [f64; 2]>,
 }
 
 impl Rulers {
     /// Where rows cross the features.
     pub fn new(surface: &Surface, field: &Field, phases: &Phases) -> Self {
-        let mut marks = FxHashMap::default();
+        let (mut marks, mut spans, mut loose) = (FxHashMap::default(), FxHashMap::default(), FxHashSet::default());
         for curve in surface.features().curves() {
             let path = Path::new(surface, field, curve);
             let ways = path.half_edges.iter().zip(&path.vertices).map(|(&h, &v)| {
@@ -101,21 +107,34 @@ impl Rulers {
                 if surface.origin(h) == v { [at, step] } else { [-at - step, step] }
             });
             let ways: Vec<[f64; 2]> = ways.collect();
-            let mut here = vec![if path.closed { ways[0][0] } else { 0.0 }];
+            let held = path.held(&phases.loose);
+            let mut here = vec![if held[0] { 0.0 } else { ways[0][0] }];
             ways.iter().for_each(|[_, step]| here.push(here[here.len() - 1] + step));
-            if intervals(&here) > 0 && ways.iter().all(|way| way[1] > 0.0) {
+            let is_loose = !path.closed && held != [true; 2];
+            let (first, last) = path.untrimmed(&phases.trimmed);
+            if (is_loose || intervals(&here) > 0) && ways[first.min(last)..last].iter().all(|way| way[1] > 0.0) {
+                if is_loose {
+                    let margin = held.map(|held| if held { 0.5 } else { 0.0 });
+                    let span = if first <= last { [here[first] + margin[0], here[last] - margin[1]] } else { [1.0, 0.0] };
+                    spans.insert(path.key(surface), span);
+                }
                 // Corners are whole, but for roundings.
                 let last = here.len() - 1;
-                here[last] = here[0] + intervals(&here) as f64;
+                if path.closed {
+                    here[last] = here[0] + intervals(&here) as f64;
+                } else if held[1] {
+                    here[last] = here[last].round();
+                }
                 marks.entry(path.key(surface)).or_insert(here);
+                loose.extend(path.tips().into_iter().filter(|tip| phases.loose.contains(tip)));
             }
         }
-        Self { marks, finer: 1 }
+        Self { marks, finer: 1, loose, spans }
     }
 
     /// For tiles of a third of the side.
     pub fn thirds(&self) -> Self {
-        Self { finer: 3 * self.finer, marks: self.marks.clone() }
+        Self { finer: 3 * self.finer, ..self.clone() }
     }
 }
 
@@ -166,9 +185,25 @@ impl Path {
         marks
     }
 
+    fn tips(&self) -> [u32; 2] {
+        [self.vertices[0], self.vertices[self.vertices.len() - 1]]
+    }
+
+    /// Whether tiles of their own are at its two ends.
+    fn held(&self, loose: &FxHashSet<u32>) -> [bool; 2] {
+        self.tips().map(|tip| !self.closed && !loose.contains(&tip))
+    }
+
+    /// The first and the last of the vertices between its trimmed ends; none where the first is after the last.
+    fn untrimmed(&self, trimmed: &FxHashSet<u32>) -> (usize, usize) {
+        let is_held = |v: &u32| !trimmed.contains(v);
+        let first = self.vertices.iter().position(is_held).unwrap_or(self.vertices.len());
+        (first, self.vertices.iter().rposition(is_held).unwrap_or(0))
+    }
+
     /// Where it begins and ends, the lower first.
     fn ends(&self, surface: &Surface) -> [u32; 2] {
-        let [a, b] = [self.vertices[0], self.vertices[self.vertices.len() - 1]].map(|v| surface.same_place(v));
+        let [a, b] = self.tips().map(|v| surface.same_place(v));
         [a.min(b), a.max(b)]
     }
 
@@ -194,9 +229,9 @@ struct Seats {
 }
 
 impl Seats {
-    fn at_corners(&mut self, surface: &Surface) {
+    fn at_corners(&mut self, surface: &Surface, loose: &FxHashSet<u32>) {
         let mut first = FxHashMap::default();
-        for v in surface.features().corners() {
+        for v in surface.features().corners().filter(|v| !loose.contains(v)) {
             let id = self.list.len() as u32;
             self.list.push((Seat::Vertex(v), *first.entry(surface.same_place(v)).or_insert(id)));
         }
@@ -208,17 +243,21 @@ impl Seats {
         Some(count as usize + usize::from(!path.closed))
     }
 
-    /// Adds the seats along a curve, its corners left out.
-    fn along(&mut self, surface: &Surface, path: &Path, h: f32, marks: &[f64]) {
+    /// Adds the seats along a curve, within a span of its marks where it has one; its corners are left out.
+    fn along(&mut self, surface: &Surface, path: &Path, h: f32, marks: &[f64], span: Option<[f64; 2]>) {
         let begun = self.list.len() as u32;
-        let intervals = intervals(marks);
-        let count = (intervals - usize::from(!path.closed)) as u32;
+        let (begin, end) = (marks[0].ceil() as i64, marks[marks.len() - 1].floor() as i64);
+        let whole = match span {
+            Some([first, last]) => first.ceil() as i64..last.floor() as i64 + 1,
+            None if path.closed => begin..begin + intervals(marks) as i64,
+            None => begin + 1..end,
+        };
+        let count = (whole.end - whole.start).max(0) as u32;
         let [first, _] = *self.of_curves.entry(path.key(surface)).or_insert([begun, count]);
         let lengths = &path.lengths;
         let mut edge = 0;
-        let begin = marks[0].ceil();
-        for (k, i) in (usize::from(!path.closed)..intervals).enumerate() {
-            let at = begin + i as f64;
+        for (k, at) in (0..).zip(whole) {
+            let at = at as f64;
             while edge + 1 < lengths.len() && marks[edge + 1] < at {
                 edge += 1;
             }
@@ -233,7 +272,7 @@ impl Seats {
                 let forward = surface.origin(half_edge) == path.vertices[edge];
                 Seat::Edge(half_edge, if forward { share } else { 1.0 - share })
             };
-            self.list.push((seat, first + k as u32));
+            self.list.push((seat, first + k));
         }
     }
 }

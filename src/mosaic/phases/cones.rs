@@ -24,16 +24,22 @@ fn less(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 impl Cone {
     /// Its place in the triangle, by the corners' shares.
     pub fn shares(&self, phases: &Phases) -> [f64; 3] {
+        let shares = self.raw_shares(phases).map(|share| share.max(0.0));
+        let sum: f64 = shares.iter().sum();
+        shares.map(|share| INSIDE + (1.0 - 3.0 * INSIDE) * if sum > 0.0 { share / sum } else { 1.0 / 3.0 })
+    }
+
+    /// The same as the coordinates have it: where the image is folded there are negative ones.
+    pub(super) fn raw_shares(&self, phases: &Phases) -> [f64; 3] {
         // Of the triangle of the other two corners and the cone, in the frame of the first of them.
         let area = |k: usize| {
             let next = (k + 1) % 3;
             let (side, arm) = (phases.step(3 * self.triangle + next as u32), self.arms[next]);
             side[0] * arm[1] - side[1] * arm[0]
         };
-        let shares = [0, 1, 2].map(|k| area(k).max(0.0));
-        let sum: f64 = shares.iter().sum();
-        let inside = |share: f64| INSIDE + (1.0 - 3.0 * INSIDE) * if sum > 0.0 { share / sum } else { 1.0 / 3.0 };
-        shares.map(inside)
+        let shares = [0, 1, 2].map(area);
+        let sum: f64 = shares.iter().map(|share| share.abs()).sum();
+        shares.map(|share| if sum > 0.0 { share / sum } else { 1.0 / 3.0 })
     }
 
     /// Its place on the surface, in unit-sized coordinates.

@@ -5,7 +5,7 @@ use crate::field::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
 use crate::field::smooth::{Pace, flowed};
 use crate::field::{Complex, Hierarchy, Level, Link, MIRRORED, Sectors};
 use crate::surface::{Surface, next, previous};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::f64::consts::TAU;
 
 /// Unknowns of the level that the smoothing sets out from: some of them for each region of rows in step.
@@ -27,6 +27,8 @@ pub struct Graph<'a> {
     pub ways: &'a [Way],
     pub unknowns: &'a [Unknowns],
     pub fixed: &'a [bool],
+    /// How many times its own weight each triangle has.
+    pub stiffness: &'a [f64],
 }
 
 /// The equations of the phases.
@@ -54,18 +56,19 @@ pub fn offsets(surface: &Surface, phases: &Phases, cones: &[Cone]) -> Hierarchy 
         let step = phases.step(h);
         let [from, to] = [h, next(h)].map(|corner| sectors.of_corner[corner as usize] as usize);
         for k in 0..2 {
-            let off = weight(sectors, h) * (step[k as usize] - way.by[k as usize]);
+            let off = graph.weight(h) * (step[k as usize] - way.by[k as usize]);
             pull(along(unknowns[from], k), off);
             pull(along(unknowns[to], k + way.quarters), -off);
         }
     }
     let mut held = vec![0.0; phases.fixed.len()];
     for cone in cones {
+        let weight = CONE_WEIGHT * phases.stiffness.get(cone.triangle as usize).unwrap_or(&1.0);
         for (k, offset) in (0..3).zip(phases.cone_offsets(cone)) {
             let sector = sectors.of_corner[(3 * cone.triangle + k) as usize] as usize;
             for (unknown, off) in unknowns[sector].into_iter().zip(offset) {
-                pull(unknown, CONE_WEIGHT * off);
-                held[(unknown & !MIRRORED) as usize] += CONE_WEIGHT as f32;
+                pull(unknown, weight * off);
+                held[(unknown & !MIRRORED) as usize] += weight as f32;
             }
         }
     }
@@ -76,10 +79,6 @@ pub fn offsets(surface: &Surface, phases: &Phases, cones: &[Cone]) -> Hierarchy 
     let start = levels.len() - 1;
     let crosses = vec![[0.0, 0.0]; levels[start].len()];
     Hierarchy { levels, start, crosses, pace: Pace { descents: OFFSET_DESCENTS, flows: 0, last_flows: 0 } }
-}
-
-fn weight(sectors: &Sectors, half_edge: u32) -> f64 {
-    (sectors.cotangent(previous(half_edge)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT)
 }
 
 /// Values that spread from what is fixed, and where nothing is, from the first unknown: rows are in step with features
@@ -106,27 +105,37 @@ fn spread(level: &Level) -> Vec<Complex> {
 /// The two unknowns of each sector, and which unknowns are fixed.
 ///
 /// On a feature the phase across it is fixed, and the one along it is shared by all sectors at the place; at corners
-/// both are fixed.
-pub fn unknowns(surface: &Surface, sectors: &Sectors) -> (Vec<Unknowns>, Vec<bool>) {
+/// both are fixed, but for `loose` ends. Where features are `trimmed` neither is.
+pub fn unknowns(
+    surface: &Surface,
+    sectors: &Sectors,
+    loose: &FxHashSet<u32>,
+    trimmed: &FxHashSet<u32>,
+) -> (Vec<Unknowns>, Vec<bool>) {
     let mut fixed = Vec::with_capacity(2 * sectors.count());
     // The shared unknown at a place on a feature, and the vertex that it grows towards.
     let mut shared: FxHashMap<u32, [u32; 2]> = FxHashMap::default();
     let unknowns = (0..sectors.count()).map(|sector| {
         let first = sectors.first_corner[sector];
         let vertex = surface.origin(first);
-        let is_corner = surface.features().is_corner(vertex);
+        let is_corner = surface.features().is_corner(vertex) && !loose.contains(&vertex);
         let own = fixed.len() as u32;
         if is_corner || sectors.quarters[sector] == 0 {
             fixed.extend([is_corner; 2]);
             return [own, own + 1];
         }
-        fixed.push(true);
         let toward = surface.same_place(surface.target(first));
+        let is_trimmed = trimmed.contains(&vertex);
+        if !is_trimmed {
+            fixed.push(true);
+        }
         let [along, end] = *shared.entry(surface.same_place(vertex)).or_insert_with(|| {
-            fixed.push(false);
-            [own + 1, toward]
+            let along = fixed.len() as u32;
+            fixed.extend(if is_trimmed { &[false; 2][..] } else { &[false] });
+            [along, toward]
         });
-        [if end == toward { along } else { along | MIRRORED }, own]
+        let mirrored = if end == toward { 0 } else { MIRRORED };
+        [along | mirrored, if is_trimmed { along + 1 | mirrored } else { own }]
     });
     (unknowns.collect(), fixed)
 }
@@ -151,17 +160,22 @@ fn readers(unknowns: &[Unknowns], count: usize) -> (Vec<u32>, Vec<[u32; 2]>) {
 }
 
 impl Graph<'_> {
+    fn weight(&self, half_edge: u32) -> f64 {
+        let weight = (self.sectors.cotangent(previous(half_edge)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT);
+        weight * self.stiffness.get(half_edge as usize / 3).unwrap_or(&1.0)
+    }
+
     /// Links each unknown along all half-edges; `turn` is the sine and cosine of the angle by which a way turns a value, `held` the
     /// weight with which each unknown is pulled.
     fn levels(&self, turn: impl Fn(&Way, usize) -> (f64, f64) + Sync, pulls: Vec<Complex>, held: &[f32]) -> Vec<Level> {
-        let &Self { surface, sectors, ways, unknowns, fixed } = self;
+        let &Self { surface, sectors, ways, unknowns, fixed, .. } = self;
 
         let (reader_starts, readers) = readers(unknowns, fixed.len());
         // What direction `k` of the sector that a half-edge leaves is linked to at its end: the far value, taken back.
         let link = |h: u32, k: u32, end: Unknowns| {
             let way = ways[h as usize];
             let (s, c) = turn(&way, k as usize);
-            let w = weight(sectors, h);
+            let w = self.weight(h);
             Link { neighbour: along(end, k + way.quarters), weight: [(w * c) as f32, (-w * s) as f32] }
         };
         let sector_of = |corner: u32| sectors.of_corner[corner as usize] as usize;

@@ -40,6 +40,7 @@
 mod cones;
 mod equations;
 mod rows;
+mod trim;
 pub(super) mod ways;
 
 pub use cones::Cone;
@@ -50,9 +51,22 @@ pub(super) use ways::turning;
 
 use super::Rows;
 use crate::compute::{Backend, ComputeError};
-use crate::field::{Complex, Field, MIRRORED};
+use crate::field::{Complex, Field, MIRRORED, Sectors};
 use crate::surface::{Surface, next};
+use rayon::prelude::*;
+use rustc_hash::FxHashSet;
 use std::f64::consts::TAU;
+
+/// Rounds in which creases are trimmed.
+const TRIMMINGS: usize = 4;
+/// Rounds of stiffening.
+const STIFFENINGS: usize = 5;
+/// An image whose least stretch is below this is nearly turned over.
+const NEARLY_FOLDED: f64 = 0.1;
+/// How far stretches may be from one, together, before a triangle is stiffened.
+const BEARABLE: f64 = 0.6;
+/// By how much it is stiffened at most in a round.
+const MOST_STIFFENED: f64 = 5.0;
 
 /// The phases of the rows at all sectors.
 #[derive(Clone, Debug)]
@@ -66,6 +80,12 @@ pub struct Phases<'a> {
     unknowns: Vec<Unknowns>,
     /// Whether each unknown is fixed.
     fixed: Vec<bool>,
+    /// Ends of features that need hold no tile: rows run on past them.
+    pub(super) loose: FxHashSet<u32>,
+    /// Vertices of creases that rows no longer lie on.
+    pub(super) trimmed: FxHashSet<u32>,
+    /// How many times its own weight each triangle has where the coordinates are solved for again; empty: once.
+    stiffness: Vec<f64>,
 }
 
 /// The unknown that stands for the phase along a sector's axis, and across it; mirrored or not.
@@ -85,14 +105,21 @@ impl<'a> Phases<'a> {
         surface: &Surface,
         field: &'a Field,
         side: impl Fn(u32) -> f64 + Sync,
+        rows: Rows,
         backend: &dyn Backend,
     ) -> Result<Self, ComputeError> {
         let ways = ways::ways(surface, field, side);
-        let (unknowns, fixed) = equations::unknowns(surface, field.sectors());
-        let graph = Graph { surface, sectors: field.sectors(), ways: &ways, unknowns: &unknowns, fixed: &fixed };
+        let loose = match rows {
+            Rows::Paper => FxHashSet::default(),
+            Rows::Continuous => loose_ends(surface, field.sectors()),
+        };
+        let (unknowns, fixed) = equations::unknowns(surface, field.sectors(), &loose, &FxHashSet::default());
+        let (sectors, stiffness) = (field.sectors(), Vec::new());
+        let graph =
+            Graph { surface, sectors, ways: &ways, unknowns: &unknowns, fixed: &fixed, stiffness: &stiffness };
         let values = backend.smooth(&equations::equations(&graph))?;
         let places = unknowns.iter().map(|pair| pair.map(|unknown| turns(&values, unknown))).collect();
-        let mut phases = Self { field, ways, places, jumps: Vec::new(), unknowns, fixed };
+        let mut phases = Self { field, ways, places, jumps: Vec::new(), unknowns, fixed, loose, trimmed: FxHashSet::default(), stiffness };
         phases.jumps = phases.nearest_jumps(surface);
         Ok(phases)
     }
@@ -117,14 +144,77 @@ impl<'a> Phases<'a> {
             Rows::Paper => Vec::new(),
             Rows::Continuous => (0..surface.triangle_count() as u32).filter_map(|t| self.cone(t)).collect(),
         };
-        let values = backend.smooth(&equations::offsets(surface, self, &cones))?;
+        self.settle(surface, &cones, backend)?;
+        if rows == Rows::Continuous {
+            for _ in 0..TRIMMINGS {
+                if !self.trim(surface) {
+                    break;
+                }
+                if std::env::var("QM_DBG").is_ok() { eprintln!("trimmed {}", self.trimmed.len()); }
+                let cones: Vec<Cone> = (0..surface.triangle_count() as u32).filter_map(|t| self.cone(t)).collect();
+                self.settle(surface, &cones, backend)?;
+            }
+            for _ in 0..STIFFENINGS {
+                if !self.stiffen(surface) {
+                    break;
+                }
+                let cones: Vec<Cone> = (0..surface.triangle_count() as u32).filter_map(|t| self.cone(t)).collect();
+                self.settle(surface, &cones, backend)?;
+            }
+        }
+        Ok(ends)
+    }
+
+    /// Solves for the coordinates again, the jumps being kept.
+    fn settle(&mut self, surface: &Surface, cones: &[Cone], backend: &dyn Backend) -> Result<(), ComputeError> {
+        let values = backend.smooth(&equations::offsets(surface, self, cones))?;
         for (place, pair) in self.places.iter_mut().zip(&self.unknowns) {
             for k in 0..2 {
                 let offset = f64::from(values[(pair[k] & !MIRRORED) as usize][1]);
                 place[k] += if pair[k] & MIRRORED != 0 { -offset } else { offset };
             }
         }
-        Ok(ends)
+        Ok(())
+    }
+
+    /// Gives more weight to triangles whose image is far from themselves, in the sense of Bommer, Zimmer and Kobbelt 2009
+    /// (section 5); whether any image is turned over, or nearly.
+    fn stiffen(&mut self, surface: &Surface) -> bool {
+        let images: Vec<[f64; 2]> =
+            (0..surface.triangle_count() as u32).into_par_iter().map(|t| self.stretches(t)).collect();
+        self.stiffness.resize(images.len(), 1.0);
+        let mut folded = false;
+        let mut count=0;
+        for (stiffness, [large, small]) in self.stiffness.iter_mut().zip(images) {
+            folded |= small < NEARLY_FOLDED; count += usize::from(small<NEARLY_FOLDED);
+            let off = (large - 1.0).abs() + (small - 1.0).abs();
+            *stiffness += (off - BEARABLE).clamp(0.0, MOST_STIFFENED);
+        }
+        if std::env::var("QM_DBG").is_ok() { eprintln!("folded {count}"); }
+        folded
+    }
+
+    /// By how much the image of a triangle is stretched most and least; less than none where it is turned over.
+    fn stretches(&self, triangle: u32) -> [f64; 2] {
+        if let Some(cone) = self.cone(triangle) {
+            let least = cone.raw_shares(self).into_iter().fold(f64::INFINITY, f64::min);
+            // A cone in the middle is as it should be.
+            return [1.0 + (1.0 - 3.0 * least).max(0.0), (3.0 * least).min(1.0)];
+        }
+        let [first, last] = [3 * triangle, 3 * triangle + 2];
+        let back = |step: [f64; 2]| step.map(|x| -x);
+        let way = self.ways[last as usize];
+        let [a, b] = [self.ways[first as usize].by, back(way.forth(way.by))];
+        let [p, q] = [self.step(first), back(self.step_at_end(last))];
+        let area = a[0] * b[1] - a[1] * b[0];
+        if area <= 0.0 {
+            return [1.0; 2];
+        }
+        // The columns of the map that leads from the sides to their images.
+        let x = [0, 1].map(|k| (p[k] * b[1] - q[k] * a[1]) / area);
+        let y = [0, 1].map(|k| (q[k] * a[0] - p[k] * b[0]) / area);
+        let (sum, difference) = ((x[0] + y[1]).hypot(x[1] - y[0]), (x[0] - y[1]).hypot(x[1] + y[0]));
+        [(sum + difference) / 2.0, (sum - difference) / 2.0]
     }
 
     /// Puts so many rows in place of each.
@@ -135,7 +225,8 @@ impl<'a> Phases<'a> {
     }
 
     fn graph<'g>(&'g self, surface: &'g Surface) -> Graph<'g> {
-        Graph { surface, sectors: self.field.sectors(), ways: &self.ways, unknowns: &self.unknowns, fixed: &self.fixed }
+        let Self { ways, unknowns, fixed, stiffness, .. } = self;
+        Graph { surface, sectors: self.field.sectors(), ways, unknowns, fixed, stiffness }
     }
 
     /// The jumps that make steps most like the ways.
@@ -189,4 +280,22 @@ fn turns(values: &[Complex], unknown: u32) -> f64 {
     let [x, y] = values[(unknown & !MIRRORED) as usize].map(f64::from);
     let turns = y.atan2(x) / TAU;
     if unknown & MIRRORED != 0 { -turns } else { turns }
+}
+
+/// The ends of creases within the surface that no singularity of the field sits on.
+fn loose_ends(surface: &Surface, sectors: &Sectors) -> FxHashSet<u32> {
+    let features = surface.features();
+    let mut shared = FxHashSet::default();
+    for v in (0..surface.vertex_count() as u32).filter(|&v| surface.same_place(v) != v) {
+        shared.extend([v, surface.same_place(v)]);
+    }
+    let is_loose = |&v: &u32| {
+        let [sector] = *sectors.of_vertex(v) else { return false };
+        let first = sectors.first_corner[sector as usize];
+        sectors.quarters[sector as usize] == 4
+            && surface.twin(first).is_some()
+            && features.is_feature(first)
+            && !shared.contains(&v)
+    };
+    features.corners().filter(is_loose).collect()
 }

@@ -1,0 +1,119 @@
+//! Creases that are too near each other for rows of their own.
+//!
+//! Rows that pass over the whole surface cannot have less than a tile between them. Where two creases run beside each other
+//! more closely both lie on one row, and what is between them has no room. One of them then lets the row go, from a loose
+//! end of it on.
+
+use super::{NEARLY_FOLDED, Phases, equations};
+use crate::surface::{Curve, Surface};
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+
+/// The longest part of a crease that is let go, in tile sides.
+const LONGEST: f64 = 3.0;
+
+/// A part of a curve from one of its loose ends on.
+#[derive(Clone, Copy)]
+struct Part {
+    curve: usize,
+    from_end: bool,
+    /// How many vertices.
+    count: usize,
+    /// In tile sides.
+    length: f64,
+}
+
+impl Phases<'_> {
+    /// Lets creases go where triangles beside them are folded; whether any was.
+    pub(super) fn trim(&mut self, surface: &Surface) -> bool {
+        let folded: Vec<bool> = (0..surface.triangle_count() as u32)
+            .into_par_iter()
+            .map(|t| self.quarters_round(t) == 0 && self.stretches(t)[1] < NEARLY_FOLDED)
+            .collect();
+        let mut groups = Groups((0..surface.vertex_count() as u32).collect());
+        let mut is_folded = vec![false; surface.vertex_count()];
+        for (t, _) in folded.iter().enumerate().filter(|(_, folded)| **folded) {
+            let [a, b, c] = surface.triangles[t];
+            [a, b, c].into_iter().for_each(|v| is_folded[v as usize] = true);
+            groups.unite(a, b);
+            groups.unite(b, c);
+        }
+        // The shortest part for each group of folded triangles, in order.
+        let mut shortest: FxHashMap<u32, Part> = FxHashMap::default();
+        let mut order = Vec::new();
+        for (number, curve) in surface.features().curves().iter().enumerate().filter(|(_, curve)| !curve.closed) {
+            for from_end in [false, true] {
+                let vertices = run(curve, from_end);
+                if !self.loose.contains(&vertices[0]) {
+                    continue;
+                }
+                let mut parts: FxHashMap<u32, Part> = FxHashMap::default();
+                let mut length = 0.0;
+                for (i, &v) in vertices.iter().enumerate() {
+                    if i > 0 {
+                        let edge = if from_end { curve.half_edges.len() - i } else { i - 1 };
+                        let [x, y] = self.ways[curve.half_edges[edge] as usize].by;
+                        length += x.hypot(y);
+                    }
+                    let is_held = !self.loose.contains(&v) && surface.features().is_corner(v);
+                    if length > LONGEST || is_held {
+                        break;
+                    }
+                    if is_folded[v as usize] && !self.trimmed.contains(&v) {
+                        parts.insert(groups.of(v), Part { curve: number, from_end, count: i + 1, length });
+                    }
+                }
+                let mut parts: Vec<(u32, Part)> = parts.into_iter().collect();
+                parts.sort_unstable_by_key(|&(group, _)| group);
+                for (group, part) in parts {
+                    match shortest.get_mut(&group) {
+                        Some(best) if part.length < best.length => *best = part,
+                        Some(_) => {}
+                        None => {
+                            shortest.insert(group, part);
+                            order.push(group);
+                        }
+                    }
+                }
+            }
+        }
+        for group in &order {
+            let part = shortest[group];
+            let vertices = run(&surface.features().curves()[part.curve], part.from_end);
+            self.trimmed.extend(&vertices[..part.count]);
+        }
+        if !order.is_empty() {
+            (self.unknowns, self.fixed) =
+                equations::unknowns(surface, self.field.sectors(), &self.loose, &self.trimmed);
+        }
+        !order.is_empty()
+    }
+}
+
+/// The vertices of a curve, from its first or its last on.
+fn run(curve: &Curve, from_end: bool) -> Vec<u32> {
+    let mut vertices = curve.vertices.clone();
+    if from_end {
+        vertices.reverse();
+    }
+    vertices
+}
+
+/// Vertices, each with another one of its group or itself.
+struct Groups(Vec<u32>);
+
+impl Groups {
+    fn of(&mut self, mut v: u32) -> u32 {
+        while self.0[v as usize] != v {
+            let above = self.0[self.0[v as usize] as usize];
+            self.0[v as usize] = above;
+            v = above;
+        }
+        v
+    }
+
+    fn unite(&mut self, a: u32, b: u32) {
+        let [a, b] = [self.of(a), self.of(b)];
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
