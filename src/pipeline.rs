@@ -18,7 +18,7 @@ use crate::mesh::touch_up::touch_up;
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::unfold::{split_folded, unfold};
 use crate::mesh::{Mesh, Metric, Triangulation};
-use crate::mosaic::fitting::fitting;
+use crate::mosaic::fitting::{bounded, fitting};
 use crate::mosaic::{self, Effort, Layer, Mosaic, Rows};
 use crate::sizes::{SizeOptions, Sizes, SizesError};
 use crate::surface::{FeatureOptions, NONE, NamedEdge, Soup, Surface, SurfaceError};
@@ -175,6 +175,8 @@ pub struct Outcome {
     pub times: Vec<(Stage, Duration)>,
 }
 
+/// The price of irregular vertices where rows pass over the whole surface: see [`PairOptions::regularity`].
+const REGULARITY: f64 = 1.0;
 /// Passes of smoothing before the pairing.
 const CALMING: usize = 2;
 
@@ -271,8 +273,12 @@ fn meshed(
                 Fineness::Points(count) => join_count(&triangulation.joints(&kept)) as i64 - count as i64,
                 Fineness::Size(_) | Fineness::Sampled => 0,
             };
+            let regularity = match options.rows {
+                Rows::Paper => pairing.regularity,
+                Rows::Continuous => pairing.regularity.max(REGULARITY),
+            };
             let Paired { mesh, kept: of_cleaned, below, metric, counts } =
-                pair(surface, &calm.mesh, &anchors, &calm.below, &PairOptions { excess, ..*pairing });
+                pair(surface, &calm.mesh, &anchors, &calm.below, &PairOptions { excess, regularity, ..*pairing });
             let kept = of_cleaned.iter().map(|&v| kept.get(v as usize).copied().unwrap_or(NONE)).collect();
             (mesh, below, kept, metric, Some(counts))
         }
@@ -351,8 +357,11 @@ pub fn field(
         return Ok(field.with_sizes(sizes));
     }
     let fitting = fitting(surface, &field, options.fit_range, backend)?;
-    let fitting = fitting.iter().map(|log| (options.fit * log).exp() as f32).collect();
-    Ok(field.with_sizes(sizes.times(&Sizes::from_vertices(surface, fitting)?)))
+    let mut fitting: Vec<f32> = fitting.iter().map(|log| (options.fit * log).exp() as f32).collect();
+    let side = f64::from(mosaic::side_for_count(surface, count));
+    bounded(surface, side, &mut fitting);
+    let fitting = Sizes::from_vertices(surface, fitting)?.limited(surface, side, options.sizes.growth);
+    Ok(field.with_sizes(sizes.times(&fitting)))
 }
 
 /// A mosaic of nearly `count` tiles; `progress` is told how far it is, from 0 to 1.

@@ -18,6 +18,9 @@ use crate::field::smooth::Pace;
 use crate::field::{Field, Hierarchy, Level, Link};
 use crate::surface::{Surface, previous};
 
+/// A turn of a feature, in radians, within a tile that chords of it would miss by a tenth of a side.
+const SHARP: f64 = 0.8;
+
 /// The logarithm of the fitting side at each vertex against the mean one; `range`: the largest side over the mean, and the
 /// mean over the smallest.
 ///
@@ -36,6 +39,24 @@ pub fn fitting(surface: &Surface, field: &Field, range: f64, backend: &dyn Backe
     let limit = range.ln();
     logs.iter_mut().for_each(|x| *x = limit * ((*x - sum / area) / limit).tanh());
     Ok(logs)
+}
+
+/// Sides that are no larger than the mean, `side`, where a feature turns by more than [`SHARP`] within that.
+pub fn bounded(surface: &Surface, side: f64, relative: &mut [f32]) {
+    let distance = |a: u32, b: u32| surface.points[a as usize].distance(surface.points[b as usize]);
+    for curve in surface.features().curves() {
+        let ends = if curve.closed { curve.vertices.len() - 1 } else { 0 };
+        let middles = curve.vertices.windows(3).map(|three| [three[0], three[1], three[2]]);
+        let around = (ends > 1).then(|| [curve.vertices[ends - 1], curve.vertices[0], curve.vertices[1]]);
+        for [before, vertex, after] in middles.chain(around) {
+            let [a, b, c] = [before, vertex, after].map(|v| surface.points[v as usize]);
+            let turn = f64::from((b - a).angle_between(c - b));
+            let length = f64::from(distance(before, vertex) + distance(vertex, after)) / 2.0;
+            if turn * side > SHARP * length {
+                relative[vertex as usize] = relative[vertex as usize].min(1.0);
+            }
+        }
+    }
 }
 
 fn equations(surface: &Surface, field: &Field) -> Hierarchy {

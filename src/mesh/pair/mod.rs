@@ -76,13 +76,16 @@ pub struct PairOptions {
     pub longest_row: usize,
     /// Drafts from which a triangle's way out is looked for. Default 10.
     pub drafts: usize,
+    /// What a squared difference of a valence from what it should be costs at least, in perfect quads, where quads are cut
+    /// anew. Default 0: in meshes with rows that end it is the shape that counts. 1 leaves rows that pass as they are.
+    pub regularity: f64,
     /// How many vertices there are more than wanted, before; the pairing keeps near the count that is wanted. Default 0.
     pub excess: i64,
 }
 
 impl Default for PairOptions {
     fn default() -> Self {
-        Self { quads: Quads::default(), triangle_price: 0.7, least_shape: 0.4, longest_row: 8, drafts: 10, excess: 0 }
+        Self { quads: Quads::default(), triangle_price: 0.7, least_shape: 0.4, longest_row: 8, drafts: 10, regularity: 0.0, excess: 0 }
     }
 }
 
@@ -146,6 +149,7 @@ pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u
         counts = PairCounts { ways_in, ways_out, met: counts.met + met, on_boundaries, on_features, ..counts };
         work.regularity = REGULARITY;
     }
+    work.regularity = work.regularity.max(options.regularity);
     work.run(Work::is_poor, Work::better, &mut counts);
     counts.dissolved = work.dissolve();
     counts.triangles_after = work.faces(Work::is_triangle).len();

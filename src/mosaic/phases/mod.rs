@@ -57,6 +57,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 use std::f64::consts::TAU;
 
+pub fn knob(name: &str, default: f64) -> f64 { std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default) }
 /// Rounds in which creases are trimmed.
 const TRIMMINGS: usize = 4;
 /// Rounds of stiffening.
@@ -154,7 +155,7 @@ impl<'a> Phases<'a> {
                 let cones: Vec<Cone> = (0..surface.triangle_count() as u32).filter_map(|t| self.cone(t)).collect();
                 self.settle(surface, &cones, backend)?;
             }
-            for _ in 0..STIFFENINGS {
+            for _ in 0..knob("QM_N", STIFFENINGS as f64) as usize {
                 if !self.stiffen(surface) {
                     break;
                 }
@@ -188,7 +189,7 @@ impl<'a> Phases<'a> {
         for (stiffness, [large, small]) in self.stiffness.iter_mut().zip(images) {
             folded |= small < NEARLY_FOLDED; count += usize::from(small<NEARLY_FOLDED);
             let off = (large - 1.0).abs() + (small - 1.0).abs();
-            *stiffness += (off - BEARABLE).clamp(0.0, MOST_STIFFENED);
+            *stiffness += (off - knob("QM_S", BEARABLE)).clamp(0.0, knob("QM_M", MOST_STIFFENED));
         }
         if std::env::var("QM_DBG").is_ok() { eprintln!("folded {count}"); }
         folded
@@ -199,7 +200,7 @@ impl<'a> Phases<'a> {
         if let Some(cone) = self.cone(triangle) {
             let least = cone.raw_shares(self).into_iter().fold(f64::INFINITY, f64::min);
             // A cone in the middle is as it should be.
-            return [1.0 + (1.0 - 3.0 * least).max(0.0), (3.0 * least).min(1.0)];
+            return [1.0 + knob("QM_C", 1.0) * (1.0 - 3.0 * least).max(0.0), (3.0 * least).min(1.0)];
         }
         let [first, last] = [3 * triangle, 3 * triangle + 2];
         let back = |step: [f64; 2]| step.map(|x| -x);
