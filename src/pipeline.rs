@@ -346,7 +346,8 @@ pub fn field(
 ) -> Result<Field, PipelineError> {
     let side = surface.frame().diagonal * f64::from(mosaic::side_for_count(surface, count));
     let align = options.field.align.map(|align| Align { side: align.side.or(Some(side)), ..align });
-    let field = Field::new(surface, &FieldOptions { align, ..options.field.clone() }, backend)?;
+    let sweeps = if options.fit > 0.0 { crate::mosaic::phases::knob("QM_F", 10.0) as u32 } else { options.field.sweeps };
+    let field = Field::new(surface, &FieldOptions { align, sweeps, ..options.field.clone() }, backend)?;
     if options.aspect != 1.0 {
         // Of equal tiles: where sizes vary it is their mean side.
         let side = f64::from(mosaic::side_for_count(surface, count));

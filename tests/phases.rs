@@ -45,7 +45,7 @@ fn rows_on_a_rectangle_are_straight_and_keep_to_its_sides() {
         [x / 2.0, y / 2.0]
     };
     for (side, fits) in [(2.0, true), (2.2, false)] {
-        let phases = Phases::solve(&surface, &field, |_| side * cell, &Cpu).expect("the CPU does not fail");
+        let phases = Phases::solve(&surface, &field, |_| side * cell, Rows::Paper, &Cpu).expect("the CPU does not fail");
         let tiles = lattice(&surface, &field, &phases, (side * cell) as f32);
         let off = off_whole(tiles.iter().flat_map(|tile| in_cells(tile.position)));
         // Phases are f32 and in radians: 1e-6 of a tile, and 200 sweeps of them.
@@ -64,7 +64,7 @@ fn rows_on_a_rectangle_are_straight_and_keep_to_its_sides() {
 fn steps_close_round_a_triangle_but_where_rows_end() {
     let torus = surface(&example("torus", 20_000));
     let field = field(&torus);
-    let phases = Phases::solve(&torus, &field, |_| 0.02, &Cpu).expect("the CPU does not fail");
+    let phases = Phases::solve(&torus, &field, |_| 0.02, Rows::Paper, &Cpu).expect("the CPU does not fail");
     let round = |t: u32| {
         let [a, b] = [phases.step(3 * t), phases.step_at_end(3 * t + 2)];
         // The second side's step, as the first corner reads it.
@@ -88,7 +88,7 @@ fn the_phases_are_the_same_on_both_backends() {
         let surface = surface(&example(name, 12_000));
         let field = field(&surface);
         let [cpu, other] = backends.map(|backend| {
-            let phases = Phases::solve(&surface, &field, |_| 0.03, backend).expect("no backend fails");
+            let phases = Phases::solve(&surface, &field, |_| 0.03, Rows::Paper, backend).expect("no backend fails");
             (0..3 * surface.triangle_count() as u32).map(|corner| phases.at(corner)).collect::<Vec<_>>()
         });
         let off = |[a, b]: [&[f64; 2]; 2]| off_whole([a[0] - b[0], a[1] - b[1]].into_iter());
@@ -99,7 +99,7 @@ fn the_phases_are_the_same_on_both_backends() {
         } else {
             assert_eq!(cpu, other, "{name}");
         }
-        let moved = Phases::solve(&surface, &field, |_| 0.0301, backends[1]).expect("no backend fails");
+        let moved = Phases::solve(&surface, &field, |_| 0.0301, Rows::Paper, backends[1]).expect("no backend fails");
         let far = (0..).zip(&cpu).filter(|(corner, a)| off([a, &moved.at(*corner)]) > 1e-2).count();
         assert!(far * 10 > cpu.len(), "{name}: another side gives other phases");
     }

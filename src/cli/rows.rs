@@ -54,7 +54,7 @@ impl Rows {
         for file in &self.guide_files {
             guides.extend(read_guides(file)?);
         }
-        Ok(FieldOptions { guides, align: self.align })
+        Ok(FieldOptions { guides, align: self.align, ..FieldOptions::default() })
     }
 }
 

@@ -44,12 +44,21 @@ use glam::Vec3;
 pub type Complex = [f32; 2];
 
 /// What draws the field beside features.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FieldOptions {
     /// The user's guides.
     pub guides: Vec<Guide>,
     /// How the field is drawn to principal directions of curvature where no guide and no feature is. Default `None`: not.
     pub align: Option<Align>,
+    /// Sweeps that normalise crosses at the end: a heat flow of their angle, in which opposite singularities that are near
+    /// each other meet and vanish. Default [`smooth::UNIT_SWEEPS`].
+    pub sweeps: u32,
+}
+
+impl Default for FieldOptions {
+    fn default() -> Self {
+        Self { guides: Vec::new(), align: None, sweeps: smooth::UNIT_SWEEPS }
+    }
 }
 
 impl FieldOptions {
@@ -81,7 +90,8 @@ impl Field {
         if let Some(align) = options.align {
             grips.extend(align::grips(surface, &sectors, &align, &grips));
         }
-        let hierarchy = Hierarchy::new(surface, &sectors, &guides::pulls(surface, &sectors, &grips));
+        let mut hierarchy = Hierarchy::new(surface, &sectors, &guides::pulls(surface, &sectors, &grips));
+        hierarchy.pace.last_flows = options.sweeps;
         let crosses = backend.smooth(&hierarchy)?;
         let in_triangles = sectors.in_triangles(&crosses, 4.0);
         Ok(Self { sectors, crosses, in_triangles, guides, sizes: Sizes::equal(), stretch: None })

@@ -16,6 +16,8 @@ pub struct Chart {
     pub(crate) steps: Vec<[f64; 2]>,
     /// The same, in the frame of the sector at its end.
     pub(crate) at_ends: Vec<[f64; 2]>,
+    /// Whether a vertex of the surface lies on a feature.
+    has_feature: Vec<bool>,
     /// Singularities inside triangles.
     pub(crate) cones: Vec<Spot>,
 }
@@ -39,6 +41,7 @@ impl Chart {
             cone,
         });
         Self {
+            has_feature: has_feature(surface),
             cones: cones.collect(),
             steps: half_edges.clone().map(|h| phases.step(h)).collect(),
             at_ends: half_edges.map(|h| phases.step_at_end(h)).collect(),
@@ -65,7 +68,7 @@ impl Chart {
     /// What the rows are solved for: where they may end, steps do not add up, and ways measure what tiles see.
     pub(crate) fn of_ways(phases: &Phases) -> Self {
         let (steps, at_ends) = phases.ways.iter().map(|way| (way.by, way.forth(way.by))).unzip();
-        Self { steps, at_ends, cones: Vec::new() }
+        Self { steps, at_ends, has_feature: Vec::new(), cones: Vec::new() }
     }
 
     /// Takes note of which cones still carry a tile, these being the free tiles: those on cones first, in order.
@@ -100,6 +103,10 @@ impl Chart {
         let points = surface.corners(triangle as usize).map(|p| p.as_dvec3());
         let h = [0, 1, 2].map(|k| 3 * triangle + k);
         let on_feature = h.map(|h| surface.features().is_feature(h));
+        let has_feature = |k: usize| {
+            let vertex = surface.origin(h[k % 3]);
+            self.has_feature.get(vertex as usize).is_some_and(|&has_feature| has_feature)
+        };
         match self.cones.binary_search_by_key(&triangle, |spot| spot.cone.triangle) {
             Ok(i) => {
                 let Spot { cone, position, .. } = &self.cones[i];
@@ -108,12 +115,13 @@ impl Chart {
                     points: [points[k], points[(k + 1) % 3], *position],
                     sides: [self.steps[h[k] as usize], cone.arms[k]],
                     on_feature: [on_feature[k], false, false],
+                    has_feature: [has_feature(k), has_feature(k + 1), false],
                 };
                 vec![part(0), part(1), part(2)]
             }
             Err(_) => {
                 let sides = [self.steps[h[0] as usize], self.at_ends[h[2] as usize].map(|x| -x)];
-                vec![Part { corner: h[0], points, sides, on_feature }]
+                vec![Part { corner: h[0], points, sides, on_feature, has_feature: [0, 1, 2].map(has_feature) }]
             }
         }
     }
@@ -133,6 +141,14 @@ impl Chart {
     }
 }
 
+fn has_feature(surface: &Surface) -> Vec<bool> {
+    let mut found = vec![false; surface.vertex_count()];
+    for curve in surface.features().curves() {
+        curve.vertices.iter().for_each(|&v| found[v as usize] = true);
+    }
+    found
+}
+
 /// A triangle in which coordinates are linear.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
@@ -144,6 +160,8 @@ pub(crate) struct Part {
     pub sides: [[f64; 2]; 2],
     /// Whether the sides after each point lie on features.
     pub on_feature: [bool; 3],
+    /// Whether the points do.
+    pub has_feature: [bool; 3],
 }
 
 impl Part {

@@ -42,7 +42,9 @@ pub fn woven(surface: &Surface, field: &Field, phases: &Phases, chart: &Chart, h
         let own = ((b - a).cross(c - a).length() / area.abs().max(f64::MIN_POSITIVE)).sqrt() as f32;
         let off_features = |[x, y]: &[f64; 2]| {
             let far = [*y, 1.0 - x - y, *x];
+            let near = [1.0 - x - y, *x, *y];
             far.iter().zip(part.on_feature).all(|(&far, on_feature)| !on_feature || far > 2.0 * SLACK)
+                && near.iter().zip(part.has_feature).all(|(&near, on)| !on || near < 1.0 - 2.0 * SLACK)
         };
         let places = crossings(origin, part.sides, thin).into_iter().filter(off_features);
         let tile = |shares| {
