@@ -17,9 +17,10 @@ use crate::field::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
 use crate::field::smooth::Pace;
 use crate::field::{Field, Hierarchy, Level, Link};
 use crate::surface::{Surface, previous};
+use glam::DVec3;
 
-/// A turn of a feature, in radians, within a tile that chords of it would miss by a tenth of a side.
-const SHARP: f64 = 0.8;
+/// How far chords may be from a feature, in mean sides.
+const MISS: f64 = 0.1;
 
 /// The logarithm of the fitting side at each vertex against the mean one; `range`: the largest side over the mean, and the
 /// mean over the smallest.
@@ -41,22 +42,45 @@ pub fn fitting(surface: &Surface, field: &Field, range: f64, backend: &dyn Backe
     Ok(logs)
 }
 
-/// Sides that are no larger than the mean, `side`, where a feature turns by more than [`SHARP`] within that.
+/// Lowers sides on features so that no chord misses its feature by more than [`MISS`] of the mean side, `side`.
 pub fn bounded(surface: &Surface, side: f64, relative: &mut [f32]) {
-    let distance = |a: u32, b: u32| surface.points[a as usize].distance(surface.points[b as usize]);
     for curve in surface.features().curves() {
-        let ends = if curve.closed { curve.vertices.len() - 1 } else { 0 };
-        let middles = curve.vertices.windows(3).map(|three| [three[0], three[1], three[2]]);
-        let around = (ends > 1).then(|| [curve.vertices[ends - 1], curve.vertices[0], curve.vertices[1]]);
-        for [before, vertex, after] in middles.chain(around) {
-            let [a, b, c] = [before, vertex, after].map(|v| surface.points[v as usize]);
-            let turn = f64::from((b - a).angle_between(c - b));
-            let length = f64::from(distance(before, vertex) + distance(vertex, after)) / 2.0;
-            if turn * side > SHARP * length {
-                relative[vertex as usize] = relative[vertex as usize].min(1.0);
-            }
+        let mut points: Vec<DVec3> = curve.vertices.iter().map(|&v| surface.points[v as usize].as_dvec3()).collect();
+        let last = points.len() - 1;
+        if curve.closed {
+            points.pop();
+        }
+        for (i, &vertex) in curve.vertices[..last.max(1)].iter().enumerate() {
+            let Some([before, after]) = around(&points, curve.closed, i, side / 2.0) else { continue };
+            let per_side = before.angle_between(after) * side / ((before.length() + after.length()) / 2.0);
+            let most = (8.0 * MISS / per_side.max(MISS)).sqrt() as f32;
+            relative[vertex as usize] = relative[vertex as usize].min(most);
         }
     }
+}
+
+/// The ways to a point of a polyline from one that is `reach` before it, and from it to one that is as far after it.
+fn around(points: &[DVec3], closed: bool, at: usize, reach: f64) -> Option<[DVec3; 2]> {
+    let count = points.len();
+    let step = |i: usize, forward: bool| match (forward, closed) {
+        (true, false) => (i + 1 < count).then_some(i + 1),
+        (false, false) => i.checked_sub(1),
+        (true, true) => Some((i + 1) % count),
+        (false, true) => Some((i + count - 1) % count),
+    };
+    let way = |forward: bool| {
+        let (mut i, mut length) = (at, 0.0);
+        while length < reach {
+            let next = step(i, forward)?;
+            length += points[i].distance(points[next]);
+            i = next;
+            if i == at {
+                return None;
+            }
+        }
+        Some(if forward { points[i] - points[at] } else { points[at] - points[i] })
+    };
+    Some([way(false)?, way(true)?])
 }
 
 fn equations(surface: &Surface, field: &Field) -> Hierarchy {

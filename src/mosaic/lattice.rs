@@ -10,6 +10,8 @@ use rayon::prelude::*;
 
 /// Triangles whose image is thinner than this, as a share of the squares of its sides, or turned over hold no tile.
 const THIN: f64 = 0.02;
+/// Triangles of rows that pass over the whole surface hold tiles however thin they are, but for this.
+const NO_AREA: f64 = 1e-9;
 /// A place outside of a triangle by less than this share of its height belongs to it too: none is lost on an edge.
 const SLACK: f64 = 1e-3;
 
@@ -30,8 +32,10 @@ pub fn lattice(surface: &Surface, field: &Field, phases: &Phases, h: f32) -> Vec
 
 /// As [`lattice`], but the tiles on cones first, the others round cones too and none on features; each has the side that
 /// the rows have there.
+///
+/// Where the coordinates are folded a crossing lies in two triangles that are as they should be and in one between them that
+/// is turned over: such a one takes one of the tiles away.
 pub fn woven(surface: &Surface, field: &Field, phases: &Phases, chart: &Chart, h: f32) -> Vec<Tile> {
-    let thin = thin(field);
     let on_cones = chart.cones.iter().filter(|spot| spot.is_tile);
     let on_cones = on_cones.map(|spot| Tile::free(surface, field, spot.cone.triangle, spot.position.as_vec3(), h));
     let part = |t: u32, part: &Part| {
@@ -39,6 +43,8 @@ pub fn woven(surface: &Surface, field: &Field, phases: &Phases, chart: &Chart, h
         let [p, q] = part.sides;
         let area = p[0] * q[1] - p[1] * q[0];
         let [a, b, c] = part.points;
+        let is_turned = area < 0.0;
+        let sides = if is_turned { [q, p] } else { [p, q] };
         let own = ((b - a).cross(c - a).length() / area.abs().max(f64::MIN_POSITIVE)).sqrt() as f32;
         let off_features = |[x, y]: &[f64; 2]| {
             let far = [*y, 1.0 - x - y, *x];
@@ -46,18 +52,31 @@ pub fn woven(surface: &Surface, field: &Field, phases: &Phases, chart: &Chart, h
             far.iter().zip(part.on_feature).all(|(&far, on_feature)| !on_feature || far > 2.0 * SLACK)
                 && near.iter().zip(part.has_feature).all(|(&near, on)| !on || near < 1.0 - 2.0 * SLACK)
         };
-        let places = crossings(origin, part.sides, thin).into_iter().filter(off_features);
+        let back = move |[x, y]: [f64; 2]| if is_turned { [y, x] } else { [x, y] };
+        let places = crossings(origin, sides, NO_AREA).into_iter().map(back).filter(off_features);
         let tile = |shares| {
             let free = Tile::free(surface, field, t, place(part.points, shares).as_vec3(), h);
-            Tile { h: own, ..free }
+            (Tile { h: own, ..free }, is_turned)
         };
         places.map(tile).collect::<Vec<_>>()
     };
     let elsewhere = (0..surface.triangle_count() as u32)
         .into_par_iter()
         .flat_map_iter(|t| chart.parts(surface, t).into_iter().flat_map(move |own| part(t, &own)));
-    let mut tiles: Vec<Tile> = on_cones.collect();
-    tiles.par_extend(elsewhere);
+    let (turned, upright): (Vec<_>, Vec<_>) = elsewhere.partition(|&(_, is_turned)| is_turned);
+    let mut tiles: Vec<Tile> = on_cones.chain(upright.into_iter().map(|(tile, _)| tile)).collect();
+    let free = tiles.len();
+    let mut is_left = vec![true; free];
+    let on_cones = chart.cones.iter().filter(|spot| spot.is_tile).count();
+    for (other, _) in turned {
+        let distance = |i: &usize| tiles[*i].at().distance_squared(other.at());
+        let nearest = (on_cones..free).filter(|&i| is_left[i]).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        if let Some(i) = nearest.filter(|i| distance(i) < h * h) {
+            is_left[i] = false;
+        }
+    }
+    let mut left = is_left.iter();
+    tiles.retain(|_| left.next().copied().unwrap_or(true));
     tiles
 }
 

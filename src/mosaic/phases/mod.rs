@@ -61,7 +61,7 @@ pub fn knob(name: &str, default: f64) -> f64 { std::env::var(name).ok().and_then
 /// Rounds in which creases are trimmed.
 const TRIMMINGS: usize = 4;
 /// Rounds of stiffening.
-const STIFFENINGS: usize = 5;
+const STIFFENINGS: usize = 2;
 /// An image whose least stretch is below this is nearly turned over.
 const NEARLY_FOLDED: f64 = 0.1;
 /// How far stretches may be from one, together, before a triangle is stiffened.
