@@ -177,6 +177,9 @@ pub struct Outcome {
 
 /// The price of irregular vertices where rows pass over the whole surface: see [`PairOptions::regularity`].
 const REGULARITY: f64 = 1.0;
+/// Sweeps of the field that sides follow: they draw its angle to a harmonic one, which sides can fit. With 10, 60 and 150 of
+/// them and continuous rows Qg was 0.944, 0.948 and 0.952 on spot and 0.942, 0.945 and 0.946 on holes_cgal.
+const HARMONIC_SWEEPS: u32 = 150;
 /// Passes of smoothing before the pairing.
 const CALMING: usize = 2;
 
@@ -346,7 +349,7 @@ pub fn field(
 ) -> Result<Field, PipelineError> {
     let side = surface.frame().diagonal * f64::from(mosaic::side_for_count(surface, count));
     let align = options.field.align.map(|align| Align { side: align.side.or(Some(side)), ..align });
-    let sweeps = if options.fit > 0.0 { crate::mosaic::phases::knob("QM_F", 10.0) as u32 } else { options.field.sweeps };
+    let sweeps = if options.fit > 0.0 { HARMONIC_SWEEPS.max(options.field.sweeps) } else { options.field.sweeps };
     let field = Field::new(surface, &FieldOptions { align, sweeps, ..options.field.clone() }, backend)?;
     if options.aspect != 1.0 {
         // Of equal tiles: where sizes vary it is their mean side.

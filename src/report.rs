@@ -8,10 +8,12 @@ use crate::mesh::clean::CleanCounts;
 use crate::mesh::compare::{Comparison, Difference, check_against};
 use crate::mesh::pair::PairCounts;
 use crate::mesh::quality::Quality;
+use crate::mesh::triangulate::Triangulation;
 use crate::mosaic::phases::RowEnds;
 use crate::mosaic::{Mosaic, fit::Fit};
 use crate::pipeline::{Fineness, Options, Outcome};
 use crate::surface::{Repairs, Surface};
+use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::time::Duration;
 
@@ -41,6 +43,8 @@ pub struct Report {
     pub before: Quality,
     /// Measures of the mesh.
     pub mesh: Quality,
+    /// Irregular vertices of the mesh, and those that the field demands.
+    pub regularity: Regularity,
     /// What the clean-up did; absent where there was none.
     pub cleaned: Option<CleanCounts>,
     /// What the pairing of triangles did; absent where there was none.
@@ -130,6 +134,60 @@ pub struct Tiles {
     /// Ends of rows before and after they were led to each other, and the length of the ways; absent where no row crosses
     /// another.
     pub row_ends: Option<RowEnds>,
+    /// How much the sides of the tiles differ.
+    pub sides: Option<Sides>,
+}
+
+/// How much the sides of tiles differ.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Sides {
+    /// The smallest over the mean.
+    pub smallest: f64,
+    /// The largest over the mean.
+    pub largest: f64,
+    /// The mean, over all pairs of neighbours, of the larger side over the smaller one.
+    pub growth: f64,
+}
+
+impl Sides {
+    /// Measures the tiles of a triangulation; `None` where it has none.
+    fn of(triangulation: &Triangulation) -> Option<Self> {
+        let sides: Vec<f64> = triangulation.tiles.iter().map(|tile| f64::from(tile.h)).collect();
+        let mean = sides.iter().sum::<f64>() / sides.len() as f64;
+        let smallest = sides.iter().copied().reduce(f64::min)?;
+        let largest = sides.iter().copied().reduce(f64::max)?;
+        let ratios = triangulation.edges().map(|ends| {
+            let [a, b] = ends.map(|v| sides[v as usize]);
+            a.max(b) / a.min(b)
+        });
+        let (sum, count) = ratios.fold((0.0, 0), |(sum, count), ratio| (sum + ratio, count + 1));
+        let growth = sum / f64::from(count.max(1));
+        Some(Self { smallest: smallest / mean, largest: largest / mean, growth })
+    }
+}
+
+/// Vertices inside the surface at which other than four faces meet, and why.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Regularity {
+    /// Those of the mesh.
+    pub irregular: usize,
+    /// Those that the field demands: its singularities, corners of features inside the surface being some of them.
+    pub demanded: usize,
+    /// The difference: less than none where singularities share a vertex.
+    pub surplus: i64,
+}
+
+impl Regularity {
+    fn of(surface: &Surface, field: &Field, mesh: &Quality) -> Self {
+        let open: FxHashSet<u32> = (0..3 * surface.triangle_count() as u32)
+            .filter(|&h| surface.twin(h).is_none())
+            .flat_map(|h| [surface.origin(h), surface.target(h)])
+            .collect();
+        let is_inside = |seat| !matches!(seat, Seat::Corner(vertex) if open.contains(&vertex));
+        let demanded = field.singularities(surface).iter().filter(|one| is_inside(one.seat)).count();
+        let irregular = mesh.irregular_vertices;
+        Self { irregular, demanded, surplus: irregular as i64 - demanded as i64 }
+    }
 }
 
 /// How long a stage took.
@@ -146,6 +204,7 @@ impl Report {
     pub fn new(name: &str, options: &Options, backend: &dyn Backend, outcome: &Outcome) -> Self {
         let surface = &outcome.surface;
         let times: Vec<Time> = outcome.times.iter().map(|&(stage, time)| Time::new(stage.name(), time)).collect();
+        let mesh = Quality::of(&outcome.mesh);
         Self {
             version: VERSION,
             program: PROGRAM.to_owned(),
@@ -158,9 +217,11 @@ impl Report {
                 on_features: outcome.mosaic.sites.len(),
                 holes: outcome.holes,
                 row_ends: outcome.mosaic.row_ends,
+                sides: Sides::of(&outcome.triangulation),
             },
             before: Quality::of(&outcome.before),
-            mesh: Quality::of(&outcome.mesh),
+            regularity: Regularity::of(surface, &outcome.field, &mesh),
+            mesh,
             cleaned: outcome.cleaned.clone(),
             paired: outcome.paired,
             faults: check_joined(&outcome.mesh, &outcome.branches),

@@ -519,7 +519,11 @@ fn aligned_the_field_follows_curvature() {
     // A guide speaks louder, and so does a feature.
     let block = surface(&example("block", 3_000));
     let guide = Guide::vector([0.9, 0.0, 0.5], [1.0, 0.5, 0.0]);
-    let options = FieldOptions { guides: vec![guide.clone()], align: Some(Align { weight: 10.0, side: None }), ..FieldOptions::default() };
+    let options = FieldOptions {
+        guides: vec![guide.clone()],
+        align: Some(Align { weight: 10.0, side: None }),
+        ..FieldOptions::default()
+    };
     let [both, alone] =
         [options, FieldOptions::guided([guide])].map(|options| Field::new(&block, &options, &Cpu).expect("it works"));
     let held = |sector: &usize| both.sectors().quarters[*sector] > 0;

@@ -6,6 +6,7 @@ use common::surfaces::{example, surface};
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::gpu::GpuBackend;
+use quadmosaic::mosaic::Rows;
 use quadmosaic::mosaic::lattice::lattice;
 use quadmosaic::mosaic::phases::Phases;
 use quadmosaic::surface::{Soup, Surface};
@@ -45,7 +46,8 @@ fn rows_on_a_rectangle_are_straight_and_keep_to_its_sides() {
         [x / 2.0, y / 2.0]
     };
     for (side, fits) in [(2.0, true), (2.2, false)] {
-        let phases = Phases::solve(&surface, &field, |_| side * cell, Rows::Paper, &Cpu).expect("the CPU does not fail");
+        let phases =
+            Phases::solve(&surface, &field, |_| side * cell, Rows::Paper, &Cpu).expect("the CPU does not fail");
         let tiles = lattice(&surface, &field, &phases, (side * cell) as f32);
         let off = off_whole(tiles.iter().flat_map(|tile| in_cells(tile.position)));
         // Phases are f32 and in radians: 1e-6 of a tile, and 200 sweeps of them.

@@ -2,14 +2,17 @@
 
 mod common;
 
-use common::surfaces::example;
+use common::surfaces::{example, flat};
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::gpu::GpuBackend;
 use quadmosaic::mesh::check::check;
+use quadmosaic::mesh::pair::{PairOptions, Quads};
 use quadmosaic::mesh::quality::Quality;
 use quadmosaic::mosaic::Rows;
 use quadmosaic::mosaic::fitting::fitting;
 use quadmosaic::pipeline::{Fineness, Options, Outcome, field, prepare, run};
+use quadmosaic::report::Report;
+use quadmosaic::surface::{Ends, NamedEdge};
 
 const POINTS: usize = 1_500;
 
@@ -86,4 +89,45 @@ fn continuous_rows_are_the_same_on_both_backends_and_every_time() {
     } else {
         assert_eq!(cpu, other);
     }
+}
+
+#[test]
+fn continuous_rows_have_the_irregular_vertices_that_the_field_demands() {
+    let pairing = Some(PairOptions { quads: Quads::All, ..PairOptions::default() });
+    for name in ["torus", "sphere", "m6"] {
+        let surplus = [Rows::Continuous, Rows::Paper].map(|rows| {
+            let options = Options { pairing, ..options(rows, 1.0) };
+            let outcome =
+                run(&example(name, 6_000), &options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
+            let report = Report::new(name, &options, &Cpu, &outcome);
+            let found = report.regularity;
+            assert_eq!(found.irregular as i64, found.demanded as i64 + found.surplus, "{name}");
+            let sides = report.mosaic.sides.expect("there are tiles");
+            assert!(sides.smallest < 1.0 && 1.0 < sides.largest && 1.0 < sides.growth, "{name}: {sides:?}");
+            found.surplus
+        });
+        // A pair of irregular vertices may be left where the coordinates fold.
+        assert!(surplus[0] <= 4, "{name}: {surplus:?}");
+        assert!(surplus[1] > surplus[0], "{name}: row ends are irregular {surplus:?}");
+    }
+}
+
+#[test]
+fn creases_half_a_tile_apart_share_a_row() {
+    // Two tiles' sides wide cells; creases of 4.5 and 3 tiles that overlap by 1.5.
+    let soup = flat(48, 32, 0.5);
+    // A plane is cut into equal triangles: what tells the creases is their names alone.
+    let crease = |[from, to]: [u32; 2], y: u32| NamedEdge {
+        ends: Ends::Vertices([from, to].map(|x| y * 49 + x)),
+        name: format!("row {y}"),
+    };
+    let edges = vec![crease([10, 19], 16), crease([16, 22], 17)];
+    let irregular = [Rows::Continuous, Rows::Paper].map(|rows| {
+        let options = Options { edges: edges.clone(), ..Options { rows, ..Options::new(Fineness::Size(1.0)) } };
+        let outcome = run(&soup, &options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
+        assert!(check(&outcome.mesh).is_clean());
+        Quality::of(&outcome.mesh).irregular_vertices
+    });
+    assert_eq!(irregular[0], 0);
+    assert!(irregular[1] > 0, "both creases and their ends hold tiles");
 }

@@ -22,7 +22,7 @@ pub fn of_run(report: &Report) -> String {
         ("Qg", spread(mesh.qg)),
         ("Tg", spread(mesh.tg)),
         ("Jacobian", jacobian(mesh)),
-        ("irregular", irregular(mesh)),
+        ("irregular", format!("{}, {} demanded by the field", irregular(mesh), report.regularity.demanded)),
         ("holes", holes),
         ("pairing", report.paired.map_or("none".to_owned(), pairing)),
         ("check", report.faults.to_string().lines().take(1).collect()),

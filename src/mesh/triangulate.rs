@@ -119,6 +119,13 @@ impl Triangulation {
             .collect()
     }
 
+    /// The ends of the edges, each edge once.
+    pub(crate) fn edges(&self) -> impl Iterator<Item = [u32; 2]> {
+        let faces = &self.faces;
+        let is_first = move |&h: &u32| faces.twin[h as usize] == NONE || h < faces.twin[h as usize];
+        (0..faces.origin.len() as u32).filter(is_first).map(move |h| [faces.origin[h as usize], faces.target(h)])
+    }
+
     fn is_free(&self, vertex: usize) -> bool {
         (self.sites..self.tiles.len() - self.extra).contains(&vertex)
     }

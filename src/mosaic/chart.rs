@@ -48,23 +48,6 @@ impl Chart {
         }
     }
 
-    pub(crate) fn debug(&self, surface: &Surface) {
-        let f = surface.frame();
-        eprintln!("cones {} whole {}", self.cones.len(), self.cones.iter().filter(|s| s.is_tile).count());
-        for s in self.cones.iter().filter(|s| !s.is_tile) { eprintln!("  between {:?}", f.to_model(s.position.into())); }
-        let mut bad = Vec::new();
-        for t in 0..surface.triangle_count() as u32 {
-            for p in self.parts(surface, t) {
-                let [a, b] = p.sides;
-                let area = a[0] * b[1] - a[1] * b[0];
-                if area <= 0.02 * (a[0] * a[0] + a[1] * a[1] + b[0] * b[0] + b[1] * b[1]) { bad.push((p.points[0], self.cones.iter().any(|s| s.cone.triangle == t), area)); }
-            }
-        }
-        eprintln!("bad parts {}", bad.len());
-        let mut seen: Vec<DVec3> = Vec::new();
-        for (p, c, area) in bad { if seen.iter().all(|q| q.distance(p) > 0.01) { seen.push(p); eprintln!("  {:?} cone {c} area {area:.4}", f.to_model(p.into())); } }
-    }
-
     /// What the rows are solved for: where they may end, steps do not add up, and ways measure what tiles see.
     pub(crate) fn of_ways(phases: &Phases) -> Self {
         let (steps, at_ends) = phases.ways.iter().map(|way| (way.by, way.forth(way.by))).unzip();

@@ -112,3 +112,34 @@ fn equations(surface: &Surface, field: &Field) -> Hierarchy {
     let crosses = vec![[0.0, 0.0]; levels[start].len()];
     Hierarchy { levels, start, crosses, pace: Pace { descents: 8, flows: 0, last_flows: 0 } }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::FeatureOptions;
+    use crate::surface::examples::Example;
+
+    #[test]
+    fn chords_of_a_hole_miss_it_by_no_more_than_allowed_and_straight_sides_are_free() {
+        let soup = Example::Plate.generate(5_000);
+        let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        // The hole's radius is a fifth of the plate's side (examples/plate.rs).
+        let radius = 0.2 / surface.frame().diagonal;
+        let side = radius / 2.0;
+        let mut relative = vec![10.0; surface.vertex_count()];
+        bounded(&surface, side, &mut relative);
+        for curve in surface.features().curves() {
+            for &v in &curve.vertices {
+                let found = f64::from(relative[v as usize]);
+                if curve.closed {
+                    // A chord of length l misses an arc of radius r by l^2 / 8 r; turns are seen over a quarter of it.
+                    let miss = (found * side).powi(2) / (8.0 * radius) / side;
+                    assert!((miss - MISS).abs() < 0.05 * MISS, "{miss}");
+                } else {
+                    // At a corner it is not asked, elsewhere nothing turns.
+                    assert!(found > 2.0, "{found}");
+                }
+            }
+        }
+    }
+}

@@ -354,11 +354,11 @@ impl Layer<'_> {
     /// Tiles of side `h` in rows that pass over the whole surface; `finer` times as many rows as are solved for.
     fn woven(&self, h: f32, tilt: f32, finer: u32) -> Result<Mosaic, ComputeError> {
         let (surface, field) = (self.surface, self.field);
-        let mut phases = Phases::solve(surface, field, sides(surface, field, h * finer as f32, tilt), self.rows, self.backend)?;
+        let mut phases =
+            Phases::solve(surface, field, sides(surface, field, h * finer as f32, tilt), self.rows, self.backend)?;
         let row_ends = phases.close(surface, self.rows, finer, self.backend)?;
         phases.multiply(finer);
         let mut chart = Chart::new(surface, &phases);
-        if std::env::var("QM_DBG").is_ok() { chart.debug(surface); }
         let tiles = lattice::woven(surface, field, &phases, &chart, h);
         let woven = Mosaic::new(surface, field, h, Rulers::new(surface, field, &phases), tiles);
         let woven = census::thin(&woven, lattice::DOUBLE);
@@ -369,7 +369,8 @@ impl Layer<'_> {
     /// Rectangular tiles where rows cross, which may end; `finer` times as many rows as are solved for.
     fn crossed(&self, h: f32, tilt: f32, finer: u32) -> Result<Mosaic, ComputeError> {
         let (surface, field) = (self.surface, self.field);
-        let mut phases = Phases::solve(surface, field, sides(surface, field, h * finer as f32, tilt), self.rows, self.backend)?;
+        let mut phases =
+            Phases::solve(surface, field, sides(surface, field, h * finer as f32, tilt), self.rows, self.backend)?;
         let row_ends = phases.close(surface, self.rows, finer, self.backend)?;
         phases.multiply(finer);
         let mut tiles = lattice::lattice(surface, field, &phases, h);

@@ -115,7 +115,8 @@ impl Rulers {
             if (is_loose || intervals(&here) > 0) && ways[first.min(last)..last].iter().all(|way| way[1] > 0.0) {
                 if is_loose {
                     let margin = held.map(|held| if held { 0.5 } else { 0.0 });
-                    let span = if first <= last { [here[first] + margin[0], here[last] - margin[1]] } else { [1.0, 0.0] };
+                    let span =
+                        if first <= last { [here[first] + margin[0], here[last] - margin[1]] } else { [1.0, 0.0] };
                     spans.insert(path.key(surface), span);
                 }
                 // Corners are whole, but for roundings.

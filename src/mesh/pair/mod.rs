@@ -85,7 +85,15 @@ pub struct PairOptions {
 
 impl Default for PairOptions {
     fn default() -> Self {
-        Self { quads: Quads::default(), triangle_price: 0.7, least_shape: 0.4, longest_row: 8, drafts: 10, regularity: 0.0, excess: 0 }
+        Self {
+            quads: Quads::default(),
+            triangle_price: 0.7,
+            least_shape: 0.4,
+            longest_row: 8,
+            drafts: 10,
+            regularity: 0.0,
+            excess: 0,
+        }
     }
 }
 

@@ -135,7 +135,7 @@ pub fn unknowns(
             [along, toward]
         });
         let mirrored = if end == toward { 0 } else { MIRRORED };
-        [along | mirrored, if is_trimmed { along + 1 | mirrored } else { own }]
+        [along | mirrored, if is_trimmed { (along + 1) | mirrored } else { own }]
     });
     (unknowns.collect(), fixed)
 }

@@ -5,12 +5,15 @@
 //! end of it on.
 
 use super::{NEARLY_FOLDED, Phases, equations};
+use crate::compute::{Backend, ComputeError};
 use crate::surface::{Curve, Surface};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 /// The longest part of a crease that is let go, in tile sides.
 const LONGEST: f64 = 3.0;
+/// Rounds at most.
+const ROUNDS: usize = 4;
 
 /// A part of a curve from one of its loose ends on.
 #[derive(Clone, Copy)]
@@ -24,8 +27,23 @@ struct Part {
 }
 
 impl Phases<'_> {
-    /// Lets creases go where triangles beside them are folded; whether any was.
-    pub(super) fn trim(&mut self, surface: &Surface) -> bool {
+    /// Lets creases go where triangles beside them are folded and solves again, until that helps no more.
+    ///
+    /// # Errors
+    /// Where the backend fails.
+    pub(super) fn trim(&mut self, surface: &Surface, backend: &dyn Backend) -> Result<(), ComputeError> {
+        for _ in 0..ROUNDS {
+            if !self.trim_once(surface) {
+                break;
+            }
+            let cones = self.cones(surface);
+            self.settle(surface, &cones, backend)?;
+        }
+        Ok(())
+    }
+
+    /// Whether any crease was let go.
+    fn trim_once(&mut self, surface: &Surface) -> bool {
         let folded: Vec<bool> = (0..surface.triangle_count() as u32)
             .into_par_iter()
             .map(|t| self.quarters_round(t) == 0 && self.stretches(t)[1] < NEARLY_FOLDED)
