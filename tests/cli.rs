@@ -401,6 +401,10 @@ fn a_mesh_that_cannot_be_kept_is_not_begun() {
     assert!(said.contains("none/out.json cannot be written"), "{said}");
     let said = desk.refusal(1, &["mesh", large, "-o", "out.obj", "--report", "./out.obj"]);
     assert!(said.contains("./out.obj cannot be written: it is the same file as out.obj"), "{said}");
+    for dash in [&["mesh", large, "-o", "-"][..], &["mesh", large, "-o", "out.obj", "--report", "-"]] {
+        let said = desk.refusal(2, dash);
+        assert!(said.contains("not to standard output"), "{said}");
+    }
     let said = desk.refusal(1, &["example", "m6", "-o", "none/out.obj"]);
     assert!(said.contains("none/out.obj cannot be written"), "{said}");
 }
@@ -533,6 +537,10 @@ fn check_compares_with_a_surface() {
     assert!(said.contains("the same file"), "{said}");
     let said = desk.refusal(2, &["check", "mesh.obj", "--against", "example:bock"]);
     assert!(said.contains("no example surface"), "{said}");
+    // Features are a surface's: without one the option would do nothing.
+    let alone = desk.run(&["check", "mesh.obj", "--crease", "30"]);
+    assert_eq!(alone.status.code(), Some(2));
+    assert!(text(&alone.stderr).contains("--against <SURFACE>"), "{}", text(&alone.stderr));
 }
 
 /// The triangles of two squares side by side as ASCII STL: solids of these names.
