@@ -340,9 +340,10 @@ impl<'a> Work<'a> {
                 if !faces.remove(v, &mut ring) {
                     return true;
                 }
+                // What has changed lies between the neighbours.
                 for &w in &near {
                     faces.ring(w, &mut ring);
-                    stack.extend_from_slice(&ring);
+                    stack.extend(ring.iter().filter(|&&h| near.contains(&faces.target(h))));
                 }
                 faces.legalize(&mut stack, |_, _| true, |_, _, _, length| length);
                 false

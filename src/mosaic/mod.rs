@@ -223,8 +223,9 @@ pub struct Layer<'a> {
 const COUNT_ERROR: f64 = 0.01;
 /// Mosaics that are laid in full.
 const ATTEMPTS: usize = 3;
-/// A coarse mosaic may promise a count that is wrong by this share before another one is tried.
-const PROMISE_ERROR: f64 = 0.005;
+/// A coarse mosaic may promise so much less and so much more than the asked count, as shares, before another one is tried: the
+/// relaxation's census and the clean-up take some away.
+const PROMISE_ERROR: [f64; 2] = [0.003, 0.009];
 /// Coarse mosaics that are tried.
 const TRIES: usize = 6;
 /// So many of them with equal sides throughout. On a surface with many equal parts, as the teeth of a gear, all of these get
@@ -300,8 +301,8 @@ impl Layer<'_> {
                 best = Some((miss.abs(), h, finest));
             }
             // Rows that pass everywhere cost more than what they miss by.
-            let allowed = if self.rows == Rows::Continuous { COUNT_ERROR } else { PROMISE_ERROR };
-            if miss.abs() < allowed || features as f64 >= count {
+            let [less, more] = if self.rows == Rows::Continuous { [COUNT_ERROR; 2] } else { PROMISE_ERROR };
+            if (-less..more).contains(&miss) || features as f64 >= count {
                 break;
             }
             bracket[usize::from(miss > 0.0)] = Some([f64::from(h), miss]);

@@ -132,8 +132,8 @@ pub struct Paired {
 /// Pairs triangles where that is worth it. `below` names the surface's triangle below each vertex, `None` where it is fixed.
 pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u32>], options: &PairOptions) -> Paired {
     let mut work = Work::new(surface, mesh, anchors, below, options);
-    let mut counts = PairCounts { triangles_before: work.triangles().len(), ..PairCounts::default() };
-    work.run(Work::triangles, Work::best, &mut counts);
+    let mut counts = PairCounts { triangles_before: work.faces(Work::is_triangle).len(), ..PairCounts::default() };
+    work.run(Work::is_triangle, Work::best, &mut counts);
     if options.quads == Quads::All {
         work.options = PairOptions {
             triangle_price: DEAR,
@@ -141,14 +141,14 @@ pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u
             drafts: 10 * options.drafts,
             ..*options
         };
-        work.run(Work::triangles, Work::best, &mut counts);
+        work.run(Work::is_triangle, Work::best, &mut counts);
         let Added { ways_in, ways_out, met, on_boundaries, on_features } = work.pair_all();
         counts = PairCounts { ways_in, ways_out, met: counts.met + met, on_boundaries, on_features, ..counts };
         work.regularity = REGULARITY;
     }
-    work.run(Work::poor, Work::better, &mut counts);
+    work.run(Work::is_poor, Work::better, &mut counts);
     counts.dissolved = work.dissolve();
-    counts.triangles_after = work.triangles().len();
+    counts.triangles_after = work.faces(Work::is_triangle).len();
     let Work { scene, below, .. } = work;
     let Scene { editor, metric, .. } = scene;
     let (mesh, kept) = editor.finish();
@@ -221,19 +221,24 @@ impl<'a> Work<'a> {
         Self { surface, scene, below: below.to_vec(), options: *options, drift: options.excess, regularity: 0.0, seams }
     }
 
-    fn triangles(&self) -> Vec<u32> {
-        let editor = &self.scene.editor;
-        (0..editor.face_count() as u32).filter(|face| editor.face(*face).len() == 3).collect()
+    fn is_triangle(&self, face: u32) -> bool {
+        self.scene.editor.face(face).len() == 3
     }
 
-    /// Makes the best change about each of the faces that `which` names, in rounds, until none gains any more.
+    /// All faces of a kind, in order.
+    fn faces(&self, is_one: impl Fn(&Self, u32) -> bool + Sync) -> Vec<u32> {
+        let all = (0..self.scene.editor.face_count() as u32).into_par_iter().with_min_len(4096);
+        all.filter(|&face| is_one(self, face)).collect()
+    }
+
+    /// Makes the best change about each of the faces that are worth a look, in rounds, until none gains any more.
     fn run(
         &mut self,
-        which: impl Fn(&Self) -> Vec<u32>,
+        is_worth: impl Fn(&Self, u32) -> bool + Sync,
         best: impl Fn(&Self, u32) -> Option<Found> + Sync,
         counts: &mut PairCounts,
     ) {
-        let mut waiting = which(self);
+        let mut waiting = self.faces(&is_worth);
         let most_drift = (self.scene.editor.vertex_count() as i64 / DRIFT).max(LEAST_DRIFT);
         for _ in 0..ROUNDS {
             let mut found: Vec<Found> = waiting.par_iter().filter_map(|face| best(self, *face)).collect();
@@ -271,7 +276,8 @@ impl<'a> Work<'a> {
             }
             again.sort_unstable();
             again.dedup();
-            waiting = which(self).into_iter().filter(|face| again.binary_search(face).is_ok()).collect();
+            again.retain(|&face| is_worth(self, face));
+            waiting = again;
         }
     }
 

@@ -12,7 +12,6 @@ use super::settle::quality;
 use super::{Change, Found, Kind, Work, step};
 use crate::mesh::metric::laid;
 use crate::mesh::quality::triangle_shape;
-use glam::DVec3;
 
 /// A quad of a smaller shape is worth a look.
 const POOR: f64 = 0.7;
@@ -22,24 +21,20 @@ const NEEDLE: f64 = 0.3;
 const IRREGULAR: usize = 2;
 
 impl Work<'_> {
-    /// The faces that are worth a look.
-    pub(super) fn poor(&self) -> Vec<u32> {
+    /// Whether a face is worth a look.
+    pub(super) fn is_poor(&self, face: u32) -> bool {
         let draft = Draft::new(&self.scene);
-        (0..self.scene.editor.face_count() as u32)
-            .filter(|&face| {
-                let corners = draft.face(face);
-                let frame = self.scene.metric.frame(corners);
-                let points: Vec<DVec3> = corners.iter().map(|v| laid(frame.as_ref(), draft.point(*v))).collect();
-                if let &[a, b, c] = points.as_slice() {
-                    return triangle_shape([a, b, c].map(DVec3::into)) < NEEDLE;
-                }
-                if points.len() != 4 {
-                    return false;
-                }
+        let corners = draft.face(face);
+        let frame = self.scene.metric.frame(corners);
+        let at = |v: u32| laid(frame.as_ref(), draft.point(v));
+        match *corners {
+            [a, b, c] => triangle_shape([a, b, c].map(|v| at(v).into())) < NEEDLE,
+            [a, b, c, d] => {
                 let irregular = || corners.iter().filter(|&&v| draft.irregularity(v, 0) > 0.0).count();
-                quality(&points) < POOR || (self.regularity > 0.0 && irregular() >= IRREGULAR)
-            })
-            .collect()
+                quality(&[a, b, c, d].map(at)) < POOR || (self.regularity > 0.0 && irregular() >= IRREGULAR)
+            }
+            _ => false,
+        }
     }
 
     /// The best that can be done about a face, if anything gains.

@@ -69,7 +69,7 @@ impl Work<'_> {
     pub(super) fn pair_all(&mut self) -> Added {
         self.seams = seams(self.surface);
         let mut added = Added::default();
-        let ways: Vec<Way> = self.triangles().into_par_iter().filter_map(|t| self.way(t, true)).collect();
+        let ways: Vec<Way> = self.faces(Self::is_triangle).into_par_iter().filter_map(|t| self.way(t, true)).collect();
         let mut heap: BinaryHeap<_> = (0..ways.len()).map(|k| Reverse((ways[k].cost, ways[k].triangle, k))).collect();
         let mut ways: Vec<Option<Way>> = ways.into_iter().map(Some).collect();
         while let Some(Reverse((_, triangle, k))) = heap.pop() {

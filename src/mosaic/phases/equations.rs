@@ -17,6 +17,9 @@ const CONE_WEIGHT: f64 = 2.0;
 /// Sweeps on each finer level.
 const FLOWS: u32 = 20;
 
+/// Descents on each level for the offsets. 4 instead of 2 change the mean share of odd faces on nine models by 0.01 %.
+const OFFSET_DESCENTS: u32 = 2;
+
 /// What is linked to what.
 pub struct Graph<'a> {
     pub surface: &'a Surface,
@@ -29,7 +32,7 @@ pub struct Graph<'a> {
 /// The equations of the phases.
 pub fn equations(graph: &Graph) -> Hierarchy {
     let pulls = graph.fixed.iter().map(|&fixed| [f32::from(fixed), 0.0]).collect();
-    let levels = graph.levels(|way, k| TAU * way.by[k], pulls, &vec![0.0; graph.fixed.len()]);
+    let levels = graph.levels(|way, k| (TAU * way.by[k]).sin_cos(), pulls, &vec![0.0; graph.fixed.len()]);
     let start = levels.iter().position(|level| level.len() <= OUTSET).unwrap_or(levels.len() - 1);
     let crosses = flowed(&levels[start], spread(&levels[start]), OUTSET_FLOWS);
     let pace = Pace { descents: 0, flows: FLOWS, last_flows: FLOWS };
@@ -69,10 +72,10 @@ pub fn offsets(surface: &Surface, phases: &Phases, cones: &[Cone]) -> Hierarchy 
     for (pull, _) in pulls.iter_mut().zip(&phases.fixed).filter(|&(_, &fixed)| fixed) {
         *pull = [0.0, 0.0];
     }
-    let levels = graph.levels(|_, _| 0.0, pulls, &held);
+    let levels = graph.levels(|_, _| (0.0, 1.0), pulls, &held);
     let start = levels.len() - 1;
     let crosses = vec![[0.0, 0.0]; levels[start].len()];
-    Hierarchy { levels, start, crosses, pace: Pace { descents: 4, flows: 0, last_flows: 0 } }
+    Hierarchy { levels, start, crosses, pace: Pace { descents: OFFSET_DESCENTS, flows: 0, last_flows: 0 } }
 }
 
 fn weight(sectors: &Sectors, half_edge: u32) -> f64 {
@@ -148,16 +151,16 @@ fn readers(unknowns: &[Unknowns], count: usize) -> (Vec<u32>, Vec<[u32; 2]>) {
 }
 
 impl Graph<'_> {
-    /// Links each unknown along all half-edges; `turn` is the angle by which a way turns a value, in radians, `held` the
+    /// Links each unknown along all half-edges; `turn` is the sine and cosine of the angle by which a way turns a value, `held` the
     /// weight with which each unknown is pulled.
-    fn levels(&self, turn: impl Fn(&Way, usize) -> f64 + Sync, pulls: Vec<Complex>, held: &[f32]) -> Vec<Level> {
+    fn levels(&self, turn: impl Fn(&Way, usize) -> (f64, f64) + Sync, pulls: Vec<Complex>, held: &[f32]) -> Vec<Level> {
         let &Self { surface, sectors, ways, unknowns, fixed } = self;
 
         let (reader_starts, readers) = readers(unknowns, fixed.len());
         // What direction `k` of the sector that a half-edge leaves is linked to at its end: the far value, taken back.
         let link = |h: u32, k: u32, end: Unknowns| {
             let way = ways[h as usize];
-            let (s, c) = turn(&way, k as usize).sin_cos();
+            let (s, c) = turn(&way, k as usize);
             let w = weight(sectors, h);
             Link { neighbour: along(end, k + way.quarters), weight: [(w * c) as f32, (-w * s) as f32] }
         };
