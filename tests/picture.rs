@@ -261,6 +261,22 @@ fn a_spheres_field_has_red_dots_and_a_torus_none() {
     assert_eq!(red("torus"), (0, 0));
 }
 
+#[test]
+fn a_field_is_drawn_on_its_surface_alone() {
+    let surface = surface(&example("sphere", 4_000));
+    let field = Field::new(&surface, &FieldOptions::default(), &Cpu).unwrap_or_else(|error| panic!("{error}"));
+    // A sphere of 100 pixels; lines are 0.6 wide, and lie a little above it.
+    let view = from([0.0, 0.0, 1.0], Some(([0.0; 3], 2.0)));
+    for style in [FieldStyle::Streamlines, FieldStyle::Crosses] {
+        let drawn = Image::of(&field_scene(&surface, &field, style), &view, [400, 400]);
+        let drawn = drawn.unwrap_or_else(|error| panic!("{error}"));
+        let away = |at: usize| (at as f64 % 400.0 - 199.5).hypot((at / 400) as f64 - 199.5);
+        let inked = |at: &usize| drawn.pixels[*at] != PAPER;
+        let farthest = (0..160_000).filter(inked).map(away).fold(0.0, f64::max);
+        assert!(farthest > 99.0 && farthest < 101.0, "{farthest}");
+    }
+}
+
 /// Tiles of side `h` in rows on a flat square of that many cells, as unit-sized coordinates have it.
 fn lattice(cells: usize) -> (quadmosaic::surface::Surface, Mosaic) {
     let surface = surface(&flat(cells, cells, 1.0));

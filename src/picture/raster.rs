@@ -16,7 +16,7 @@ use rayon::prelude::*;
 pub(super) const FINE: usize = 3;
 /// Rows of pixels in a band.
 const BAND: usize = 16;
-/// Lines on a surface that turns away so far are not drawn: they would stand out beyond it like hairs.
+/// Lines on a surface that turns away so far are not drawn: they would crowd.
 const EDGE_ON: f64 = 0.08;
 /// What lies on the ground is seen through so much of it, in longest sides of the face that lies there.
 const SUNK: f64 = 0.5;
@@ -189,7 +189,10 @@ impl<'a> Sight<'a> {
 
     fn stroke(&self, band: &mut Band, number: u32) {
         let [a, b] = self.ends[number as usize];
-        let width = self.widths[self.scene.lines[number as usize].pen as usize];
+        let line = &self.scene.lines[number as usize];
+        let width = self.widths[line.pen as usize];
+        // On a surface that turns away they would stand out beyond it like hairs.
+        let lies = line.normal != Vec3::ZERO;
         let reach = DVec2::splat(width / 2.0);
         let [rows, columns] = self.within([band.top, band.seen.len()], a.min(b).xy() - reach, a.max(b).xy() + reach);
         for row in rows {
@@ -198,6 +201,9 @@ impl<'a> Sight<'a> {
                 let share = nearest(a.xy(), b.xy(), p);
                 let on = a.lerp(b, share);
                 let at = row * self.columns + column;
+                if lies && band.seen[at] == EMPTY {
+                    continue;
+                }
                 // A line lies on faces that may rise beside its middle by about its width.
                 if on.xy().distance_squared(p) <= width * width / 4.0 && (on.z + width) as f32 > band.depth[at] {
                     band.seen[at] = self.scene.faces.len() as u32 + number;
