@@ -782,4 +782,14 @@ fn a_study_fills_its_folder_and_says_what_it_found() {
     for (option, wrong) in [("--points", "6000,1"), ("--angles", "30,50"), ("--distances", "0.5"), ("--angles", "")] {
         desk.refusal(2, &["study", "example:torus", "-o", "s", option, wrong]);
     }
+
+    let fits = ["study", "example:torus:500", "-o", "fits", "--points", "150", "--angles", "30", "--distances", "1.6"];
+    let more = ["--fits", "0,1", "--rows", "continuous", "--guide", "9,9,9,0,0,1"];
+    let output = desk.run(&[&fits[..], &more].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("150 points, fit 1: Qr "), "{}", text(&output.stdout));
+    assert!(desk.path("fits/torus_500-sides.svg").is_file());
+    let said = text(&output.stderr);
+    assert_eq!(said.matches("warning: ").count(), 1, "one for all rows: {said}");
+    assert!(said.contains("--guide number 1: it is") && said.contains("away from the surface"), "{said}");
 }

@@ -220,7 +220,7 @@ pub fn run(
 }
 
 /// How long laying a mosaic takes, in connections of it.
-const LAYING: f64 = 3.0;
+const LAYING: f64 = 2.0;
 
 struct Work<'a> {
     folder: &'a Path,

@@ -61,7 +61,7 @@ pub(super) fn write(folder: &Path, subjects: &[Subject], plan: &Plan, table: &Ta
 fn line(row: &Row) -> String {
     let Row { surface, points, fit, after, faults, side_range, mosaic_ms, mesh_ms, .. } = row;
     let shown = |mean: Option<f64>| mean.map_or("none".to_owned(), |mean| format!("{mean:.3}"));
-    let three = |of: &dyn Fn(&Figures) -> String| row.figures().map(|figures| of(figures)).join("</td><td>");
+    let three = |of: &dyn Fn(&Figures) -> String| row.figures().map(of).join("</td><td>");
     format!(
         "<tr><td>{}</td><td>{points}</td><td>{fit}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
          <td>{side_range:.2}</td><td>{faults}</td><td>{:.0}</td></tr>\n",
