@@ -676,7 +676,7 @@ fn sizes_come_from_a_file_and_from_curvature() {
 fn help_explains_every_subcommand() {
     let desk = Desk::new();
     let help = desk.said(&["--help"]);
-    for name in ["mesh", "field", "example", "check", "devices"] {
+    for name in ["mesh", "field", "mosaic", "picture", "study", "example", "check", "devices"] {
         assert!(help.contains(&format!("\n  {name}")), "{help}");
         assert!(desk.said(&[name, "--help"]).contains("Usage: quadmosaic"));
     }
@@ -698,18 +698,10 @@ fn pictures_of_all_kinds_are_drawn() {
     draw(&["example:sphere:500", "-o", "surface.png", "--view", "-1,0.5,0.2", "--up", "0,1,0"]);
     draw(&["example:torus:500", "-o", "field.png", "--field", "--backend", "cpu"]);
     draw(&["example:torus:500", "-o", "crosses.svg", "--field=crosses", "--backend", "cpu", "--crease", "30"]);
-    draw(&[
-        "example:torus:500",
-        "-o",
-        "mosaic.png",
-        "--mosaic",
-        "--points",
-        "200",
-        "--grout",
-        "0.2",
-        "--backend",
-        "cpu",
-    ]);
+    let mosaic = ["example:torus:500", "--mosaic", "--points", "200", "--backend", "cpu"];
+    draw(&[&mosaic[..], &["--grout", "0.2", "-o", "mosaic.png"]].concat());
+    draw(&[&mosaic[..], &["--grout", "0.2", "--fit", "1", "-o", "fitted.png"]].concat());
+    assert_ne!(desk.bytes("mosaic.png"), desk.bytes("fitted.png"));
     for name in desk.names().iter().filter(|name| name.ends_with(".png")) {
         let bytes = desk.bytes(name);
         assert_eq!(bytes[..8], *b"\x89PNG\r\n\x1a\n", "{name}");
@@ -717,7 +709,7 @@ fn pictures_of_all_kinds_are_drawn() {
     }
     let svg = text(&desk.bytes("mesh.svg"));
     assert!(svg.contains("viewBox=\"0 0 120 90\"") && svg.contains("shape: Qg, Tg"), "{svg}");
-    assert_eq!(desk.names().len(), 7);
+    assert_eq!(desk.names().len(), 8);
     desk.said(&["mesh", "example:sphere:500", "--points", "100", "-o", "out.obj", "--picture", "out.png", "-q"]);
     assert_eq!(desk.bytes("out.png")[16..24], [0, 0, 6, 64, 0, 0, 4, 176]);
 }

@@ -1,4 +1,4 @@
-//! How rows are laid: arguments that `mesh`, `mosaic` and `study` share.
+//! How rows are laid: arguments that `mesh`, `mosaic`, `picture` and `study` share.
 
 use super::mesh::number;
 use super::summary;
