@@ -401,6 +401,10 @@ fn a_mesh_that_cannot_be_kept_is_not_begun() {
     assert!(said.contains("none/out.json cannot be written"), "{said}");
     let said = desk.refusal(1, &["mesh", large, "-o", "out.obj", "--report", "./out.obj"]);
     assert!(said.contains("./out.obj cannot be written: it is the same file as out.obj"), "{said}");
+    for dash in [&["mesh", large, "-o", "-"][..], &["mesh", large, "-o", "out.obj", "--report", "-"]] {
+        let said = desk.refusal(2, dash);
+        assert!(said.contains("not to standard output"), "{said}");
+    }
     let said = desk.refusal(1, &["example", "m6", "-o", "none/out.obj"]);
     assert!(said.contains("none/out.obj cannot be written"), "{said}");
 }
@@ -533,6 +537,10 @@ fn check_compares_with_a_surface() {
     assert!(said.contains("the same file"), "{said}");
     let said = desk.refusal(2, &["check", "mesh.obj", "--against", "example:bock"]);
     assert!(said.contains("no example surface"), "{said}");
+    // Features are a surface's: without one the option would do nothing.
+    let alone = desk.run(&["check", "mesh.obj", "--crease", "30"]);
+    assert_eq!(alone.status.code(), Some(2));
+    assert!(text(&alone.stderr).contains("--against <SURFACE>"), "{}", text(&alone.stderr));
 }
 
 /// The triangles of two squares side by side as ASCII STL: solids of these names.
@@ -668,7 +676,7 @@ fn sizes_come_from_a_file_and_from_curvature() {
 fn help_explains_every_subcommand() {
     let desk = Desk::new();
     let help = desk.said(&["--help"]);
-    for name in ["mesh", "field", "example", "check", "devices"] {
+    for name in ["mesh", "field", "mosaic", "picture", "study", "example", "check", "devices"] {
         assert!(help.contains(&format!("\n  {name}")), "{help}");
         assert!(desk.said(&[name, "--help"]).contains("Usage: quadmosaic"));
     }
@@ -690,18 +698,10 @@ fn pictures_of_all_kinds_are_drawn() {
     draw(&["example:sphere:500", "-o", "surface.png", "--view", "-1,0.5,0.2", "--up", "0,1,0"]);
     draw(&["example:torus:500", "-o", "field.png", "--field", "--backend", "cpu"]);
     draw(&["example:torus:500", "-o", "crosses.svg", "--field=crosses", "--backend", "cpu", "--crease", "30"]);
-    draw(&[
-        "example:torus:500",
-        "-o",
-        "mosaic.png",
-        "--mosaic",
-        "--points",
-        "200",
-        "--grout",
-        "0.2",
-        "--backend",
-        "cpu",
-    ]);
+    let mosaic = ["example:torus:500", "--mosaic", "--points", "200", "--backend", "cpu"];
+    draw(&[&mosaic[..], &["--grout", "0.2", "-o", "mosaic.png"]].concat());
+    draw(&[&mosaic[..], &["--grout", "0.2", "--fit", "1", "-o", "fitted.png"]].concat());
+    assert_ne!(desk.bytes("mosaic.png"), desk.bytes("fitted.png"));
     for name in desk.names().iter().filter(|name| name.ends_with(".png")) {
         let bytes = desk.bytes(name);
         assert_eq!(bytes[..8], *b"\x89PNG\r\n\x1a\n", "{name}");
@@ -709,7 +709,7 @@ fn pictures_of_all_kinds_are_drawn() {
     }
     let svg = text(&desk.bytes("mesh.svg"));
     assert!(svg.contains("viewBox=\"0 0 120 90\"") && svg.contains("shape: Qg, Tg"), "{svg}");
-    assert_eq!(desk.names().len(), 7);
+    assert_eq!(desk.names().len(), 8);
     desk.said(&["mesh", "example:sphere:500", "--points", "100", "-o", "out.obj", "--picture", "out.png", "-q"]);
     assert_eq!(desk.bytes("out.png")[16..24], [0, 0, 6, 64, 0, 0, 4, 176]);
 }
@@ -774,4 +774,14 @@ fn a_study_fills_its_folder_and_says_what_it_found() {
     for (option, wrong) in [("--points", "6000,1"), ("--angles", "30,50"), ("--distances", "0.5"), ("--angles", "")] {
         desk.refusal(2, &["study", "example:torus", "-o", "s", option, wrong]);
     }
+
+    let fits = ["study", "example:torus:500", "-o", "fits", "--points", "150", "--angles", "30", "--distances", "1.6"];
+    let more = ["--fits", "0,1", "--rows", "continuous", "--guide", "9,9,9,0,0,1"];
+    let output = desk.run(&[&fits[..], &more].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("150 points, fit 1: Qr "), "{}", text(&output.stdout));
+    assert!(desk.path("fits/torus_500-sides.svg").is_file());
+    let said = text(&output.stderr);
+    assert_eq!(said.matches("warning: ").count(), 1, "one for all rows: {said}");
+    assert!(said.contains("--guide number 1: it is") && said.contains("away from the surface"), "{said}");
 }

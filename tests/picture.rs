@@ -175,21 +175,73 @@ fn the_same_scene_gives_the_same_bytes_with_any_number_of_threads() {
     assert_eq!(pixels, image.pixels.as_flattened());
 }
 
-#[test]
-fn svg_leaves_out_what_is_hidden_and_draws_the_far_first() {
+/// The paths of a mesh's picture as SVG, seen from above.
+fn paths(mesh: &Mesh) -> Vec<String> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("a.svg");
-    let paths = |mesh: &Mesh| {
-        write_picture(&path, &mesh_scene(mesh, Paint::Sides), &from([0.0, 0.0, 1.0], None), [200, 200])
-            .unwrap_or_else(|error| panic!("{error}"));
-        let text = fs::read_to_string(&path).expect("it is there");
-        text.lines().filter(|line| line.starts_with("<path")).map(str::to_owned).collect::<Vec<_>>()
-    };
+    write_picture(&path, &mesh_scene(mesh, Paint::Sides), &from([0.0, 0.0, 1.0], None), [200, 200])
+        .unwrap_or_else(|error| panic!("{error}"));
+    let text = fs::read_to_string(&path).expect("it is there");
+    text.lines().filter(|line| line.starts_with("<path")).map(str::to_owned).collect()
+}
+
+#[test]
+fn svg_leaves_out_what_is_hidden_and_draws_the_far_first() {
     assert_eq!(paths(&stack(&[(0.0, 3), (1.0, 4)])).len(), 1);
     let both = paths(&stack(&[(1.0, 3), (0.0, 4)]));
     assert_eq!(both.len(), 2);
     assert_eq!(both[0].matches('L').count(), 3, "the quad lies behind");
     assert_eq!(both[1].matches('L').count(), 2);
+}
+
+#[test]
+fn svg_draws_a_face_after_what_it_hides_wherever_their_middles_are() {
+    // A quad that rises from left to right, its middle at height 0, and a triangle over or under its left end.
+    let ramp = |height: f64| {
+        let (x, y) = (10.0, 2.0);
+        let mut mesh = Mesh::new(vec![[-x, -y, -x], [x, -y, x], [x, y, x], [-x, y, -x]]);
+        mesh.points.extend([[-9.0, -1.0, height], [-8.0, 0.0, height], [-9.0, 3.0, height]]);
+        mesh.push_face(&[0, 1, 2, 3]);
+        mesh.push_face(&[4, 5, 6]);
+        paths(&mesh).iter().map(|path| path.matches('L').count()).collect::<Vec<_>>()
+    };
+    assert_eq!(ramp(-5.0), [3, 2], "farther than the middle of the quad, and yet above it");
+    assert_eq!(ramp(-9.5), [2, 3], "below it, and seen beside it");
+
+    // Three bars of which each hides the next: there is no order, and yet each is drawn once.
+    let mut ring = Mesh::default();
+    for turn in [0.0, 2.0 * PI / 3.0, 4.0 * PI / 3.0] {
+        let first = ring.points.len() as u32;
+        let (sin, cos) = f64::sin_cos(turn);
+        let corner = |x: f64, y: f64, z: f64| [x * cos - y * sin, x * sin + y * cos, z];
+        ring.points.extend([[-6.0, 1.5], [6.0, 1.5], [6.0, 2.5], [-6.0, 2.5]].map(|[x, y]| corner(x, y, x)));
+        ring.push_face(&[first, first + 1, first + 2, first + 3]);
+    }
+    assert_eq!(paths(&ring).len(), 3);
+}
+
+#[test]
+fn svg_leaves_out_what_is_hidden_of_a_line() {
+    // The borders of a large triangle, over the right half of which another one lies.
+    let drawn = |height: f64| {
+        let mut mesh = Mesh::new(vec![[-8.0, -8.0, 0.0], [8.0, -8.0, 0.0], [0.0, 8.0, 0.0]]);
+        mesh.points.extend([[0.0, -20.0, height], [20.0, 0.0, height], [0.0, 20.0, height]]);
+        mesh.push_face(&[0, 1, 2]);
+        mesh.push_face(&[3, 4, 5]);
+        let lines = paths(&mesh).into_iter().filter(|path| !path.contains("fill"));
+        let length = |path: String| {
+            let ends: Vec<f64> = path.split(['M', 'L', ' ', '"']).filter_map(|part| part.parse().ok()).collect();
+            (ends[0] - ends[2]).hypot(ends[1] - ends[3])
+        };
+        lines.map(length).sum::<f64>()
+    };
+    // 28 units wide and 40 high, of which 92 % of 200 pixels are filled; the lid's own borders are seen always.
+    let unit = 0.92 * 200.0 / 40.0;
+    let (slant, lid) = (17.89 * unit, (40.0 + 2.0 * 28.28) * unit);
+    let (above, below) = (drawn(1.0), drawn(-1.0));
+    // Pieces have at most 8 pixels; the lid's left side hides what is below.
+    assert!((above - (slant + 8.0 * unit + lid)).abs() < 3.0 * 8.0, "{above}");
+    assert!(below > above + 20.0, "{below}");
 }
 
 #[test]
@@ -207,6 +259,22 @@ fn a_spheres_field_has_red_dots_and_a_torus_none() {
     let (bends, dots) = red("sphere");
     assert!(bends >= 8 && dots > 20, "{bends} {dots}");
     assert_eq!(red("torus"), (0, 0));
+}
+
+#[test]
+fn a_field_is_drawn_on_its_surface_alone() {
+    let surface = surface(&example("sphere", 4_000));
+    let field = Field::new(&surface, &FieldOptions::default(), &Cpu).unwrap_or_else(|error| panic!("{error}"));
+    // A sphere of 100 pixels; lines are 0.6 wide, and lie a little above it.
+    let view = from([0.0, 0.0, 1.0], Some(([0.0; 3], 2.0)));
+    for style in [FieldStyle::Streamlines, FieldStyle::Crosses] {
+        let drawn = Image::of(&field_scene(&surface, &field, style), &view, [400, 400]);
+        let drawn = drawn.unwrap_or_else(|error| panic!("{error}"));
+        let away = |at: usize| (at as f64 % 400.0 - 199.5).hypot((at / 400) as f64 - 199.5);
+        let inked = |at: &usize| drawn.pixels[*at] != PAPER;
+        let farthest = (0..160_000).filter(inked).map(away).fold(0.0, f64::max);
+        assert!(farthest > 99.0 && farthest < 101.0, "{farthest}");
+    }
 }
 
 /// Tiles of side `h` in rows on a flat square of that many cells, as unit-sized coordinates have it.
@@ -237,6 +305,38 @@ fn grout_takes_the_share_that_it_is_given() {
         // Sides of tiles fall on pixels' sides here, but for the picture's last digit.
         assert!((tiles - (1.0 - grout).powi(2)).abs() < 0.01, "{grout}: {tiles}");
     }
+}
+
+#[test]
+fn tiles_are_seen_from_in_front_alone_and_above_what_bulges() {
+    let stone = |drawn: &Image| count(drawn, |[red, ..]| red > 150) as f64 / drawn.pixels.len() as f64;
+    let draw = |surface: &quadmosaic::surface::Surface, mosaic: &Mosaic, view: View| {
+        let scene = mosaic_scene(surface, mosaic, 0.0, None);
+        stone(&Image::of(&scene, &view, [200, 200]).unwrap_or_else(|error| panic!("{error}")))
+    };
+    let (plate, tiles) = lattice(10);
+    let view = |height: f64| from([0.0, 0.0, height], Some(([5.0, 5.0, 0.0], 4.0)));
+    assert_eq!([1.0, -1.0].map(|height| draw(&plate, &tiles, view(height))), [1.0, 0.0]);
+
+    // A tile as large as the radius of its sphere is flat between its corners, and the sphere rises above it.
+    let soup = example("sphere", 20_000);
+    let ball = surface(&soup);
+    let middle = |triangle: [u32; 3]| {
+        let [a, b, c] = triangle.map(|v| soup.points[v as usize]);
+        [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0)
+    };
+    let (top, middle) = (0..)
+        .zip(soup.triangles.iter().map(|&triangle| middle(triangle)))
+        .max_by(|a, b| a.1[2].total_cmp(&b.1[2]))
+        .expect("it has triangles");
+    let position = middle.map(|x| (x / ball.frame().diagonal) as f32);
+    let h = (1.0 / ball.frame().diagonal) as f32;
+    let (normal, axis) = ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
+    let mut tile = Mosaic::default();
+    tile.tiles = vec![Tile { position, h, normal, triangle: top, axis, quarters: 0 }];
+    let view = from([0.0, 0.0, 1.0], Some(([0.0, 0.0, 1.0], 0.4)));
+    assert_eq!(draw(&ball, &tile, view), 1.0);
+    assert_eq!(draw(&ball, &Mosaic::default(), view), 0.0, "the sphere itself is no stone");
 }
 
 #[test]

@@ -4,8 +4,10 @@ mod common;
 
 use common::surfaces::example;
 use quadmosaic::compute::Cpu;
+use quadmosaic::field::{FieldOptions, Guide};
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::quality::Quality;
+use quadmosaic::mosaic::Rows;
 use quadmosaic::pipeline::{self, Fineness, Options};
 use quadmosaic::study::{self, Plan, StudyError, Subject, Table};
 use std::cell::RefCell;
@@ -13,7 +15,8 @@ use std::fs;
 use std::path::Path;
 
 fn plan() -> Plan {
-    Plan { points: vec![150, 300], angles: vec![20.0, 30.0], distances: vec![1.6, 2.0], picture: [120, 90] }
+    let (angles, distances) = (vec![20.0, 30.0], vec![1.6, 2.0]);
+    Plan { points: vec![150, 300], angles, distances, picture: [120, 90], ..Plan::default() }
 }
 
 fn subject(name: &str) -> Subject {
@@ -44,19 +47,23 @@ fn every_pair_is_a_row_with_the_figures_of_a_run() {
     let row = &table.rows[9];
     assert_eq!((row.surface.as_str(), row.points, row.max_angle), ("a <plate>", 300, 20.0));
     let connect = ConnectOptions { max_angle: 20.0, max_distance: 1.6 };
-    let options = Options { connect, pairing: None, ..Options::new(Fineness::Points(300)) };
-    let outcome =
-        pipeline::run(&subjects[1].soup, &options, &Cpu, &|_, _| ()).unwrap_or_else(|error| panic!("{error}"));
-    let [before, after] = [&outcome.before, &outcome.mesh].map(Quality::of);
-    assert_eq!((row.before.quads, row.before.qr), (before.quads, before.qr));
-    assert_eq!((row.after.quads, row.after.qr), (after.quads, after.qr));
-    assert_eq!(row.after.tg, after.tg.map(|spread| spread.mean));
+    let options = Options { connect, ..Options::new(Fineness::Points(300)) };
+    let paper = Options { pairing: None, ..options.clone() };
+    let [outcome, paper] = [options, paper].map(|options| {
+        pipeline::run(&subjects[1].soup, &options, &Cpu, &|_, _| ()).unwrap_or_else(|error| panic!("{error}"))
+    });
+    for (found, mesh) in [(row.before, &outcome.before), (row.cleaned, &paper.mesh), (row.after, &outcome.mesh)] {
+        let Quality { vertices, quads, qr, qg, tg, .. } = Quality::of(mesh);
+        assert_eq!((found.vertices, found.quads, found.qr), (vertices, quads, qr));
+        assert_eq!((found.qg, found.tg), (qg.map(|spread| spread.mean), tg.map(|spread| spread.mean)));
+    }
+    assert!(row.before.qg != row.cleaned.qg && row.cleaned.qr != row.after.qr, "three meshes that differ: {row:?}");
     assert_eq!((row.holes, row.faults), (outcome.holes, 0));
 
     let csv = fs::read_to_string(folder.path().join("study.csv")).expect("it is there");
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines.len(), 13);
-    assert!(lines[10].starts_with("\"a <plate>\",300,20,1.6,"), "{}", lines[10]);
+    assert!(lines[10].starts_with("\"a <plate>\",300,20,1.6,0,"), "{}", lines[10]);
     assert!(lines.iter().all(|line| line.split(',').count() == lines[0].split(',').count()));
     let page = fs::read_to_string(folder.path().join("study.html")).expect("it is there");
     assert_eq!(page.matches("<svg").count(), 2 * 4, "a chart for each measure");
@@ -98,6 +105,37 @@ fn what_is_done_is_not_done_again() {
     let (table, said) = studied(folder.path(), &[other], &Plan { points: vec![150], ..plan() });
     assert_eq!(said.len(), 1 + 3);
     assert_ne!(table.rows[0].digest, whole.rows[0].digest);
+}
+
+#[test]
+fn each_fit_has_a_mosaic_and_all_options_count() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let subjects = [subject("sphere")];
+    let fits = Plan { points: vec![300], angles: vec![30.0], distances: vec![1.6], fits: vec![0.0, 1.0], ..plan() };
+    let (table, said) = studied(folder.path(), &subjects, &fits);
+    assert_eq!(said.len(), 2 + 2);
+    let [none, all] = &table.rows[..] else { panic!("two rows, not {}", table.rows.len()) };
+    assert_eq!((none.fit, all.fit), (0.0, 1.0));
+    assert!(none.side_range < all.side_range && none.side_range >= 1.0, "{} {}", none.side_range, all.side_range);
+    let page = fs::read_to_string(folder.path().join("study.html")).expect("it is there");
+    assert_eq!(page.matches("<svg").count(), 5, "one of the range of sides too");
+    assert!(page.contains("fit (theta = 30, L = 1.6)") && !page.contains("theta in degrees (L"), "what is not varied");
+    assert_eq!(page.matches("data:image/png;base64,").count(), 3, "pictures without fit alone");
+
+    // Other options make it another study.
+    let options = Options { rows: Rows::Continuous, ..fits.options.clone() };
+    let (other, said) = studied(folder.path(), &subjects, &Plan { options, ..fits.clone() });
+    assert_eq!(said.len(), 2 + 2);
+    assert_ne!(other.rows[1].after, all.after);
+    // A guide that is far away is told of for each row, also when it is read again.
+    let far = Guide::vector([9.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+    let field = FieldOptions { guides: vec![far], ..FieldOptions::default() };
+    let guided = Plan { options: Options { field, ..fits.options.clone() }, fits: Vec::new(), ..fits };
+    for _ in 0..2 {
+        let (table, _) = studied(folder.path(), &subjects, &guided);
+        assert!(table.rows[0].warnings[0].contains("away from the surface"), "{:?}", table.rows[0].warnings);
+    }
+    assert!(all.warnings.is_empty());
 }
 
 #[test]

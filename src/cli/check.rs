@@ -2,7 +2,7 @@
 
 use super::features::FeatureArguments;
 use super::input::Input;
-use super::output::{expect_writable, print, write_json};
+use super::output::{expect_writable, file_path, print, write_json};
 use super::summary;
 use anyhow::{Context, bail};
 use clap::Args;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 /// how far the two are from each other, and the surface's features from the mesh's edges. Where sheets of the surface meet,
 /// the mesh may branch. The exit code is 1 where anything is wrong.
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, mut_group("FeatureArguments", |features| features.requires("against")))]
 pub struct Arguments {
     /// The mesh: an OBJ, PLY or STL file, told apart by content
     #[arg(value_name = "MESH")]
@@ -30,7 +30,7 @@ pub struct Arguments {
     #[command(flatten)]
     features: FeatureArguments,
     /// Write what is printed, and every fault, as JSON
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", value_parser = file_path)]
     report: Option<PathBuf>,
 }
 

@@ -3,7 +3,7 @@
 use super::backend::{Device, Machine};
 use super::fineness::Wanted;
 use super::input::Source;
-use super::output::{expect_writable, field_path, print, write_json};
+use super::output::{expect_writable, field_path, file_path, print, write_json};
 use super::rows::{Rows, warn_of};
 use super::summary;
 use anyhow::Context;
@@ -36,7 +36,7 @@ pub struct Arguments {
     #[command(flatten)]
     machine: Machine,
     /// Write what is printed, and more, as JSON
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", value_parser = file_path)]
     report: Option<PathBuf>,
     /// Print warnings and errors only
     #[arg(short, long)]

@@ -40,7 +40,7 @@ enum Command {
     Field(Box<field::Arguments>),
     Mosaic(Box<mosaic::Arguments>),
     Picture(Box<picture::Arguments>),
-    Study(study::Arguments),
+    Study(Box<study::Arguments>),
     Example(example::Arguments),
     Check(check::Arguments),
     /// Lists the GPU adapters of this machine, the best first

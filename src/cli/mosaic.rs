@@ -3,7 +3,7 @@
 use super::backend::Machine;
 use super::fineness::Wanted;
 use super::input::Source;
-use super::output::{expect_writable, picture_path, print, tiles_path, write_json};
+use super::output::{expect_writable, file_path, picture_path, print, tiles_path, write_json};
 use super::rows::{Rows, warn_of};
 use super::weave::{Weave, warn_of_stretch};
 use super::{picture, summary};
@@ -45,7 +45,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
     picture: Option<PathBuf>,
     /// Write what is printed, and more, as JSON
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", value_parser = file_path)]
     report: Option<PathBuf>,
     /// Print warnings and errors only
     #[arg(short, long)]

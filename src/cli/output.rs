@@ -9,37 +9,35 @@ use std::path::{Path, PathBuf};
 
 /// A path that ends in `.obj`, the one format that is written.
 pub fn obj_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    match path.extension() {
-        Some(ending) if ending.eq_ignore_ascii_case("obj") => Ok(path),
-        _ => Err("it does not end in .obj; Wavefront OBJ is the one format that is written".to_owned()),
-    }
+    ends_in(text, &["obj"], "it does not end in .obj; Wavefront OBJ is the one format that is written")
 }
 
 /// A path that ends in `.vtk` or `.ply`.
 pub fn field_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    match path.extension() {
-        Some(ending) if ["vtk", "ply"].iter().any(|known| ending.eq_ignore_ascii_case(known)) => Ok(path),
-        _ => Err("it does not end in .vtk or .ply, the formats that a field is written in".to_owned()),
-    }
+    ends_in(text, &["vtk", "ply"], "it does not end in .vtk or .ply, the formats that a field is written in")
 }
 
 /// A path that ends in `.obj` or `.ply`.
 pub fn tiles_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    match path.extension() {
-        Some(ending) if ["obj", "ply"].iter().any(|known| ending.eq_ignore_ascii_case(known)) => Ok(path),
-        _ => Err("it does not end in .obj or .ply, the formats that tiles are written in".to_owned()),
-    }
+    ends_in(text, &["obj", "ply"], "it does not end in .obj or .ply, the formats that tiles are written in")
 }
 
 /// A path that ends in `.png` or `.svg`.
 pub fn picture_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    match path.extension() {
-        Some(ending) if ["png", "svg"].iter().any(|known| ending.eq_ignore_ascii_case(known)) => Ok(path),
-        _ => Err("it does not end in .png or .svg, the formats of pictures".to_owned()),
+    ends_in(text, &["png", "svg"], "it does not end in .png or .svg, the formats of pictures")
+}
+
+fn ends_in(text: &str, endings: &[&str], refusal: &str) -> Result<PathBuf, String> {
+    let path = file_path(text)?;
+    let known = path.extension().is_some_and(|ending| endings.iter().any(|known| ending.eq_ignore_ascii_case(known)));
+    if known { Ok(path) } else { Err(refusal.to_owned()) }
+}
+
+/// A path; `-`, which is standard output for other programs, is refused and would otherwise be a file's odd name.
+pub fn file_path(text: &str) -> Result<PathBuf, String> {
+    match text {
+        "-" => Err("results go to files, not to standard output; name a file".to_owned()),
+        _ => Ok(text.into()),
     }
 }
 

@@ -5,8 +5,10 @@ use super::fineness::points;
 use super::input::Source;
 use super::output::{expect_writable, picture_path};
 use super::rows::{Rows, warn_of};
+use super::weave::{Weave, warn_of_stretch};
 use anyhow::Context;
 use clap::{Args, ValueEnum};
+use quadmosaic::field::Stretch;
 use quadmosaic::mosaic::fit::Fit;
 use quadmosaic::picture::{Eye, FieldStyle, Paint, Scene, View, field_scene, mesh_scene, mosaic_scene, write_picture};
 use quadmosaic::pipeline::{self, Fineness, Options, prepare};
@@ -77,6 +79,8 @@ pub struct Arguments {
     #[command(flatten)]
     rows: Rows,
     #[command(flatten)]
+    weave: Weave,
+    #[command(flatten)]
     machine: Machine,
 }
 
@@ -84,7 +88,7 @@ const EXAMPLES: &str = "\
 Examples:
   quadmosaic picture m6.obj -o m6.png
   quadmosaic picture m6.obj --colour quality --zoom-to 0.8,0.6,0,0.2 -o edge.svg
-  quadmosaic picture example:m6 --mosaic --points 2000 -o tiles.png
+  quadmosaic picture example:m6 --mosaic --points 2000 --fit 1 -o tiles.png
   quadmosaic picture car.stl --field --view 1,-1,0.5 --size 2400x1600 -o field.png";
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -130,6 +134,10 @@ impl Arguments {
             features: self.rows.features(),
             edges: self.rows.edges()?,
             field: self.rows.field()?,
+            rows: self.weave.rows(),
+            fit: self.weave.fit,
+            fit_range: self.weave.fit_range,
+            aspect: self.weave.aspect,
             ..Options::new(Fineness::Points(self.points))
         };
         let soup = self.source.read()?;
@@ -138,6 +146,7 @@ impl Arguments {
         let backend = device.backend()?;
         let field = pipeline::field(&surface, sizes, count, &options, &*backend)?;
         warn_of(field.guides());
+        warn_of_stretch(field.stretch().map(Stretch::report));
         Ok(match self.field {
             Some(Style::Streamlines) => field_scene(&surface, &field, FieldStyle::Streamlines),
             Some(Style::Crosses) => field_scene(&surface, &field, FieldStyle::Crosses),

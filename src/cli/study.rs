@@ -5,10 +5,13 @@ use super::fineness::points;
 use super::input::Input;
 use super::mesh::{degrees, distance};
 use super::output::print;
+use super::rows::Rows;
+use super::weave::{Weave, dial};
 use anyhow::{Context, ensure};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::mesh::connect::ConnectOptions;
+use quadmosaic::pipeline::Options;
 use quadmosaic::study::{self, Plan, Subject, Table};
 use std::fs;
 use std::path::PathBuf;
@@ -16,8 +19,9 @@ use std::path::PathBuf;
 /// Meshes surfaces by many angles and distances, as the paper's section 4 does, and draws charts
 ///
 /// For each surface and number of points one mosaic is made and connected many times: by each theta with L = 1.6, and by each L
-/// with theta = 30. The folder gets study.csv and study.json (a row each), charts of Qr, Qg, Tg and irregular vertices (SVG and
-/// PNG), pictures of mosaics and meshes, and study.html, which shows them all. Interrupted, and called again, it goes on.
+/// with theta = 30. Meshes are measured before clean-up, after the paper's clean-up (`mesh --quads paper`), and as `mesh` leaves them. The folder gets
+/// study.csv and study.json (a row each), charts of Qr, Qg, Tg and irregular vertices (SVG and PNG), pictures of mosaics and
+/// meshes, and study.html, which shows them all. Interrupted, and called again, it goes on.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
@@ -48,6 +52,13 @@ pub struct Arguments {
         default_value = "1.2,1.4,1.6,1.8,2,2.2,2.4"
     )]
     distances: Vec<f64>,
+    /// Dials of --fit, with theta = 30 and L = 1.6; each takes a mosaic of its own [default: none but --fit]
+    #[arg(long, value_name = "DIAL,...", value_delimiter = ',', value_parser = dial)]
+    fits: Vec<f64>,
+    #[command(flatten)]
+    rows: Rows,
+    #[command(flatten)]
+    weave: Weave,
     #[command(flatten)]
     machine: Machine,
     /// Print warnings and errors only
@@ -58,16 +69,17 @@ pub struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   quadmosaic study example:m6 -o study
-  quadmosaic study fish.obj car.stl --points 6000 --angles 20,30,40 --distances 1.6 -o study";
+  quadmosaic study fish.obj car.stl --points 6000 --angles 20,30,40 --distances 1.6 -o study
+  quadmosaic study example:m6 --points 6000 --angles 30 --distances 1.6 --fits 0,0.5,1 --rows continuous -o fits";
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let Arguments { surfaces, output, points, angles, distances, machine, quiet } = arguments;
+    let Arguments { surfaces, output, machine, quiet, .. } = arguments;
+    let plan = arguments.plan()?;
     machine.start_threads()?;
     let subjects = subjects(surfaces)?;
     fs::create_dir_all(output).with_context(|| format!("the folder {} cannot be made", output.display()))?;
     let device = machine.open()?;
     let backend = device.backend()?;
-    let plan = Plan { points: points.clone(), angles: angles.clone(), distances: distances.clone(), ..Plan::default() };
 
     let bar = if *quiet { ProgressBar::hidden() } else { ProgressBar::new(1000) };
     let style = ProgressStyle::with_template("{bar:30} {percent:>3} %, about {eta} left: {wide_msg}");
@@ -83,7 +95,40 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         print(&summary(&table))?;
         print(&format!("{} shows it all\n", output.join("study.html").display()))?;
     }
+    // The same guide says the same of many meshes.
+    let mut warnings: Vec<String> = Vec::new();
+    for row in &table.rows {
+        for warning in row.warnings.iter().map(|told| format!("{}: {told}", row.surface)) {
+            if !warnings.contains(&warning) {
+                eprintln!("warning: {warning}");
+                warnings.push(warning);
+            }
+        }
+    }
     Ok(())
+}
+
+impl Arguments {
+    fn plan(&self) -> anyhow::Result<Plan> {
+        let plan = Plan::default();
+        Ok(Plan {
+            points: self.points.clone(),
+            angles: self.angles.clone(),
+            distances: self.distances.clone(),
+            fits: self.fits.clone(),
+            options: Options {
+                features: self.rows.features(),
+                edges: self.rows.edges()?,
+                field: self.rows.field()?,
+                rows: self.weave.rows(),
+                fit: self.weave.fit,
+                fit_range: self.weave.fit_range,
+                aspect: self.weave.aspect,
+                ..plan.options
+            },
+            ..plan
+        })
+    }
 }
 
 fn subjects(surfaces: &[Input]) -> anyhow::Result<Vec<Subject>> {
@@ -110,13 +155,20 @@ fn subjects(surfaces: &[Input]) -> anyhow::Result<Vec<Subject>> {
 fn summary(table: &Table) -> String {
     let usual = ConnectOptions::default();
     let of_usual = |row: &&study::Row| row.max_angle == usual.max_angle && row.max_distance == usual.max_distance;
+    let fitted = table.rows.iter().any(|row| row.fit != table.rows[0].fit);
     let line = |row: &study::Row| {
-        let same = table.rows.iter().filter(|other| other.surface == row.surface && other.points == row.points);
-        let (least, most) =
-            same.fold((1.0_f64, 0.0_f64), |(least, most), other| (least.min(other.after.qr), most.max(other.after.qr)));
+        let same =
+            |other: &&study::Row| (&other.surface, other.points, other.fit) == (&row.surface, row.points, row.fit);
+        let same: Vec<f64> = table.rows.iter().filter(same).map(|other| other.after.qr).collect();
+        let (least, most) = same.iter().fold((1.0_f64, 0.0_f64), |(least, most), &qr| (least.min(qr), most.max(qr)));
+        let over_all = match same.len() {
+            1 => String::new(),
+            _ => format!(" ({least:.3} to {most:.3} over all theta and L)"),
+        };
+        let fit = if fitted { format!(", fit {}", row.fit) } else { String::new() };
         format!(
-            "{}, {} points: Qr {:.3} before clean-up, {:.3} after ({least:.3} to {most:.3} over all theta and L)\n",
-            row.surface, row.points, row.before.qr, row.after.qr
+            "{}, {} points{fit}: Qr {:.3} before clean-up, {:.3} after the paper's, {:.3} in the end{over_all}\n",
+            row.surface, row.points, row.before.qr, row.cleaned.qr, row.after.qr
         )
     };
     table.rows.iter().filter(of_usual).map(line).collect()

@@ -1,4 +1,4 @@
-//! How rows are laid: arguments that `mesh` and `mosaic` share.
+//! How rows are laid: arguments that `mesh`, `mosaic`, `picture` and `study` share.
 
 use super::mesh::number;
 use super::summary;
@@ -78,7 +78,7 @@ fn aspect(text: &str) -> Result<f64, String> {
     })
 }
 
-fn dial(text: &str) -> Result<f64, String> {
+pub fn dial(text: &str) -> Result<f64, String> {
     number(text, 0.0..=1.0).ok_or_else(|| "the dial is a number from 0 to 1".to_owned())
 }
 

@@ -147,11 +147,16 @@ fn corner_areas(q: [DVec3; 4]) -> [f64; 4] {
 /// 1 for a square, 0 where a corner is reflex or the quad has collapsed.
 pub fn quad_shape(corners: [[f64; 3]; 4]) -> f64 {
     let q = corners.map(DVec3::from);
-    let smallest = corner_areas(q).into_iter().fold(f64::INFINITY, f64::min) / 2.0;
-    let sides: [f64; 4] = std::array::from_fn(|k| q[k].distance_squared(q[(k + 1) % 4]));
-    let diagonals = [q[0].distance_squared(q[2]), q[1].distance_squared(q[3])];
-    let longest = sides.into_iter().chain(diagonals).fold(0.0, f64::max);
-    let scale = (longest * sides.iter().sum::<f64>()).sqrt();
+    let sides: [DVec3; 4] = std::array::from_fn(|k| q[(k + 1) % 4] - q[k]);
+    let diagonals = [q[2] - q[0], q[3] - q[1]];
+    let normal = diagonals[0].cross(diagonals[1]);
+    // Those of opposite corners sum to the whole quad's, everything taken times the length of the normal.
+    let whole = normal.length_squared();
+    let [first, second] = [sides[3].cross(sides[0]), sides[0].cross(sides[1])].map(|area| area.dot(normal));
+    let smallest = first.min(whole - first).min(second.min(whole - second)) / 2.0;
+    let squares = sides.map(|side| side.length_squared());
+    let longest = squares.into_iter().chain(diagonals.map(|d| d.length_squared())).fold(0.0, f64::max);
+    let scale = whole.sqrt() * (longest * squares.iter().sum::<f64>()).sqrt();
     if smallest > 0.0 && scale > 0.0 { 8.0 * smallest / (std::f64::consts::SQRT_2 * scale) } else { 0.0 }
 }
 

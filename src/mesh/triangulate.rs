@@ -68,13 +68,14 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
         let corner = work.home_corner[v as usize];
         Tile::free(surface, field, corner / 3, surface.points[v as usize], mosaic.scale)
     }));
-    let points = order.iter().map(|&v| work.points[v as usize]).collect();
     let sides = tiles.iter().map(|tile| if mosaic.chart.is_some() { 1.0 } else { f64::from(tile.h) }).collect();
     let faces = work.faces.compacted(&order);
     let mut same_place: Vec<u32> = (0..order.len() as u32).collect();
     for (v, site) in mosaic.sites.iter().enumerate() {
         same_place[v] = site.same_place;
     }
+    // Each sheet has divided the curve by itself; one of them gives the place to all.
+    let points = same_place.iter().map(|&v| work.points[order[v as usize] as usize]).collect();
     let factors = factors(surface, field, &tiles);
     Triangulation { faces, tiles, sides, points, factors, sites: sites.len(), extra: left.len(), same_place }
 }

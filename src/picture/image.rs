@@ -123,8 +123,7 @@ fn colour(sight: &Sight, seen: u32, place: DVec2) -> Colour {
 pub(super) fn shaded(sight: &Sight, face: &Face, place: Option<DVec2>) -> Colour {
     let corners = sight.scene.corners_of(face);
     let outline = sight.outline(face).map(|corner| corner.xy());
-    // From the top of the picture down is positive: counter-clockwise is negative.
-    let front = area(outline.clone()) <= 0.0;
+    let front = sight.is_front(face);
     let even = corners.iter().all(|corner| corner.normal == corners[0].normal);
     let normal = match place {
         _ if even => corners[0].normal,
@@ -153,12 +152,6 @@ fn light(normal: DVec3) -> f32 {
     let direct = normal.dot(lamp).max(0.0);
     let sky = 0.5 + 0.5 * normal.y;
     (0.4 + 0.6 * direct + 0.1 * sky).min(1.0) as f32
-}
-
-fn area(outline: impl Iterator<Item = DVec2> + Clone) -> f64 {
-    let Some(first) = outline.clone().next() else { return 0.0 };
-    let ways = outline.map(|place| place - first);
-    ways.clone().zip(ways.skip(1)).map(|(a, b)| a.perp_dot(b)).sum()
 }
 
 /// The shares of a triangle's corners in a place.

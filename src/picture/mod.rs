@@ -2,7 +2,8 @@
 //!
 //! # Practice
 //! A [`Scene`] holds what is drawn, in model units, and knows no pixels; a [`View`] says from where it is seen. One
-//! rasteriser (`raster`) finds out what is visible; PNG takes its colours from there, SVG its list of visible faces.
+//! rasteriser (`raster`) finds out what is visible; PNG takes its colours from there, SVG its list of visible faces and
+//! which hide which.
 //! Sides of faces are part of the faces, so that lines of a mesh are hidden exactly where its faces are.
 
 mod colour;
@@ -12,6 +13,7 @@ mod legend;
 mod mesh;
 mod mosaic;
 mod normals;
+mod order;
 mod raster;
 mod scene;
 mod svg;

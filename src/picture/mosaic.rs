@@ -7,10 +7,6 @@ use crate::mosaic::{Mosaic, Tile};
 use crate::surface::Surface;
 use glam::{DVec3, Vec3};
 
-/// Tiles lie so high above the surface, in tile sides: a quarter of a tile, being flat, dips below a surface that turns by
-/// half a radian a tile by 0.03.
-const LIFT: f64 = 0.05;
-
 /// Five shades of stone, so that tiles are told apart.
 const STONES: [Colour; 5] = [
     Colour([233, 221, 196]),
@@ -29,10 +25,9 @@ pub fn mosaic_scene(surface: &Surface, mosaic: &Mosaic, grout: f32, fit: Option<
     scene.ground = scene.faces.len();
     for (number, (tile, quarters)) in mosaic.tiles.iter().zip(mosaic.quarters(surface, 1.0 - grout)).enumerate() {
         let normal = Vec3::from(tile.normal);
-        let lift = normal.as_dvec3() * LIFT * f64::from(tile.h);
         let colour = fit.map_or_else(|| stone(tile), |fit| Colour::of_quality(fit[number]));
         for quarter in quarters {
-            let model = |place: [f32; 3]| surface.frame().to_model((Vec3::from(place).as_dvec3() + lift).into());
+            let model = |place: [f32; 3]| surface.frame().to_model(place.map(f64::from));
             let first = scene.place(quarter.map(model));
             scene.face(&[0, 1, 2, 3].map(|k| Corner { point: first + k, normal, pen: NO_PEN }), colour);
         }

@@ -4,6 +4,8 @@
 //! A pixel has [`FINE`] by [`FINE`] samples, evenly spread. The picture is cut into bands of rows, each with a depth buffer
 //! of its own, that are worked on at once; a sample's answer depends on no other, so their number does not matter. Of
 //! faces at the same depth the first is seen. Lines are tested against faces only, and the last of them is seen.
+//!
+//! What lies on the ground is flat, and the ground may rise above it: from in front it is taken to be nearer than it is.
 
 use super::scene::{Face, Line, NO_PEN, Scene};
 use super::view::Camera;
@@ -14,8 +16,10 @@ use rayon::prelude::*;
 pub(super) const FINE: usize = 3;
 /// Rows of pixels in a band.
 const BAND: usize = 16;
-/// Lines on a surface that turns away so far are not drawn: they would stand out beyond it like hairs.
+/// Lines on a surface that turns away so far are not drawn: they would crowd.
 const EDGE_ON: f64 = 0.08;
+/// What lies on the ground is seen through so much of it, in longest sides of the face that lies there.
+const SUNK: f64 = 0.5;
 /// Nothing is there.
 pub(super) const EMPTY: u32 = u32::MAX;
 
@@ -38,7 +42,10 @@ pub(super) struct Band {
     /// The first row of samples.
     pub top: usize,
     pub seen: Vec<u32>,
-    depth: Vec<f32>,
+    /// The depth of the nearest face.
+    pub depth: Vec<f32>,
+    /// The faces that may reach into it.
+    pub faces: Vec<u32>,
 }
 
 impl<'a> Sight<'a> {
@@ -61,6 +68,15 @@ impl<'a> Sight<'a> {
     /// The projected corners of a face.
     pub fn outline(&self, face: &Face) -> impl ExactSizeIterator<Item = DVec3> + Clone + '_ {
         self.scene.corners_of(face).iter().map(|corner| self.points[corner.point as usize])
+    }
+
+    /// Whether a face is seen from in front.
+    pub fn is_front(&self, face: &Face) -> bool {
+        let mut places = self.outline(face).map(|corner| corner.xy());
+        let Some(first) = places.next() else { return true };
+        let ways = places.map(|place| place - first);
+        // From the top of the picture down is positive: counter-clockwise is negative.
+        ways.clone().zip(ways.skip(1)).map(|(a, b)| a.perp_dot(b)).sum::<f64>() <= 0.0
     }
 
     /// The projected ends of a line.
@@ -95,8 +111,10 @@ impl<'a> Sight<'a> {
             .map(|number| {
                 let top = number * height;
                 let samples = height.min(self.rows - top) * self.columns;
-                let mut band = Band { top, seen: vec![EMPTY; samples], depth: vec![f32::NEG_INFINITY; samples] };
+                let (seen, depth) = (vec![EMPTY; samples], vec![f32::NEG_INFINITY; samples]);
+                let mut band = Band { top, seen, depth, faces: Vec::new() };
                 faces[number].iter().for_each(|&face| self.fill(&mut band, face));
+                band.faces.clone_from(&faces[number]);
                 lines[number].iter().for_each(|&line| self.stroke(&mut band, line));
                 work(&band)
             })
@@ -109,42 +127,61 @@ impl<'a> Sight<'a> {
     }
 
     /// The samples, as rows and columns, whose centres may lie in this box.
-    fn within(&self, band: &Band, low: DVec2, high: DVec2) -> [std::ops::Range<usize>; 2] {
-        let rows = band.seen.len() / self.columns;
+    fn within(&self, [top, samples]: [usize; 2], low: DVec2, high: DVec2) -> [std::ops::Range<usize>; 2] {
+        let rows = samples / self.columns;
         let span = |low: f64, high: f64, first: usize, count: usize| {
             let at = |x: f64| (x - first as f64).clamp(0.0, count as f64) as usize;
             at((low - 0.5).ceil())..at((high - 0.5).floor() + 1.0)
         };
-        [span(low.y, high.y, band.top, rows), span(low.x, high.x, 0, self.columns)]
+        [span(low.y, high.y, top, rows), span(low.x, high.x, 0, self.columns)]
     }
 
     fn fill(&self, band: &mut Band, number: u32) {
-        let mut outline = self.outline(&self.scene.faces[number as usize]);
+        let Band { seen, depth: depths, top, .. } = band;
+        self.each_sample([*top, seen.len()], number, |at, depth| {
+            if depth > depths[at] {
+                depths[at] = depth;
+                seen[at] = number;
+            }
+        });
+    }
+
+    /// Tells the samples that a face covers in a band, seen or not, and its depth there.
+    pub fn each_sample(&self, [top, samples]: [usize; 2], number: u32, mut tell: impl FnMut(usize, f32)) {
+        let face = &self.scene.faces[number as usize];
+        let mut outline = self.outline(face);
         let Some(first) = outline.next() else { return };
+        let lift = self.lift(number, face);
         let rest = outline.clone().skip(1);
         for (a, b) in outline.zip(rest) {
-            self.fill_triangle(band, number, [first, a, b]);
+            self.each_sample_of([top, samples], [first, a, b], |at, depth| tell(at, (depth + lift) as f32));
         }
     }
 
-    fn fill_triangle(&self, band: &mut Band, number: u32, [a, b, c]: [DVec3; 3]) {
+    /// How much nearer a face is taken to be than it is.
+    fn lift(&self, number: u32, face: &Face) -> f64 {
+        if self.scene.ground == 0 || (number as usize) < self.scene.ground {
+            return 0.0;
+        }
+        let places: Vec<DVec3> = self.outline(face).collect();
+        let sides = places.iter().zip(places.iter().cycle().skip(1)).map(|(a, b)| a.distance(*b));
+        let longest = sides.fold(0.0, f64::max);
+        SUNK * longest * if self.is_front(face) { 1.0 } else { -1.0 }
+    }
+
+    fn each_sample_of(&self, [top, samples]: [usize; 2], [a, b, c]: [DVec3; 3], mut tell: impl FnMut(usize, f64)) {
         let area = (b - a).xy().perp_dot((c - a).xy());
         if area == 0.0 || !area.is_finite() {
             return;
         }
-        let [rows, columns] = self.within(band, a.min(b).min(c).xy(), a.max(b).max(c).xy());
+        let [rows, columns] = self.within([top, samples], a.min(b).min(c).xy(), a.max(b).max(c).xy());
         for row in rows {
             for column in columns.clone() {
-                let p = DVec2::new(column as f64 + 0.5, (band.top + row) as f64 + 0.5);
+                let p = DVec2::new(column as f64 + 0.5, (top + row) as f64 + 0.5);
                 // Each is computed alike from either side of an edge, but for its sign: no sample falls between two faces.
                 let [wa, wb, wc] = [(b, c), (c, a), (a, b)].map(|(s, e)| side(s.xy(), e.xy(), p) / area);
                 if wa >= 0.0 && wb >= 0.0 && wc >= 0.0 {
-                    let depth = ((wa * a.z + wb * b.z + wc * c.z) / (wa + wb + wc)) as f32;
-                    let at = row * self.columns + column;
-                    if depth > band.depth[at] {
-                        band.depth[at] = depth;
-                        band.seen[at] = number;
-                    }
+                    tell(row * self.columns + column, (wa * a.z + wb * b.z + wc * c.z) / (wa + wb + wc));
                 }
             }
         }
@@ -152,15 +189,21 @@ impl<'a> Sight<'a> {
 
     fn stroke(&self, band: &mut Band, number: u32) {
         let [a, b] = self.ends[number as usize];
-        let width = self.widths[self.scene.lines[number as usize].pen as usize];
+        let line = &self.scene.lines[number as usize];
+        let width = self.widths[line.pen as usize];
+        // On a surface that turns away they would stand out beyond it like hairs.
+        let lies = line.normal != Vec3::ZERO;
         let reach = DVec2::splat(width / 2.0);
-        let [rows, columns] = self.within(band, a.min(b).xy() - reach, a.max(b).xy() + reach);
+        let [rows, columns] = self.within([band.top, band.seen.len()], a.min(b).xy() - reach, a.max(b).xy() + reach);
         for row in rows {
             for column in columns.clone() {
                 let p = DVec2::new(column as f64 + 0.5, (band.top + row) as f64 + 0.5);
                 let share = nearest(a.xy(), b.xy(), p);
                 let on = a.lerp(b, share);
                 let at = row * self.columns + column;
+                if lies && band.seen[at] == EMPTY {
+                    continue;
+                }
                 // A line lies on faces that may rise beside its middle by about its width.
                 if on.xy().distance_squared(p) <= width * width / 4.0 && (on.z + width) as f32 > band.depth[at] {
                     band.seen[at] = self.scene.faces.len() as u32 + number;

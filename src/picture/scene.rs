@@ -50,7 +50,7 @@ pub struct Scene {
     pub(super) faces: Vec<Face>,
     pub(super) lines: Vec<Line>,
     pub(super) pens: Vec<Pen>,
-    /// How many faces, the first ones, lie below the others, a little deeper.
+    /// How many faces, the first ones, are what the others lie on; 0: none lies on another.
     pub(super) ground: usize,
     /// What the colours mean.
     pub legend: Option<Legend>,
@@ -89,6 +89,17 @@ impl Scene {
 
     pub(super) fn line(&mut self, ends: [[f64; 3]; 2], normal: Vec3, pen: u8) {
         self.lines.push(Line { ends: ends.map(DVec3::from), normal, pen });
+    }
+
+    /// The same scene with its lines cut into pieces that are no longer than `longest` allows for each.
+    pub(super) fn with_lines_cut(&self, longest: f64, length: impl Fn(&Line) -> f64) -> Self {
+        let pieces = |line: &Line| {
+            let count = (length(line) / longest).ceil().max(1.0);
+            let ([a, b], line) = (line.ends, *line);
+            let end = move |k: usize| a.lerp(b, k as f64 / count);
+            (0..count as usize).map(move |k| Line { ends: [end(k), end(k + 1)], ..line })
+        };
+        Self { lines: self.lines.iter().flat_map(pieces).collect(), ..self.clone() }
     }
 
     pub(super) fn corners_of(&self, face: &Face) -> &[Corner] {

@@ -1,7 +1,8 @@
-//! Pictures as SVG: what is visible, from the farthest to the nearest.
+//! Pictures as SVG: what is visible, each face after those that it hides.
 
 use super::image::shaded;
 use super::legend::{Layout, MARKS};
+use super::order::painting_order;
 use super::raster::{EMPTY, FINE, Sight};
 use super::scene::{Corner, Face, NO_PEN};
 use super::view::Camera;
@@ -9,27 +10,30 @@ use super::{Colour, Legend, PictureError, Scene, View};
 use glam::{DVec3, Vec3Swizzles};
 use std::fmt::Write;
 
+/// Lines are seen or not in pieces of at most so many pixels.
+const LONGEST: f64 = 8.0;
+
 /// A scene as SVG. Faces of which no sample is visible are left out.
 ///
 /// # Errors
 /// As [`Image::of`](super::Image::of).
 pub(super) fn svg(scene: &Scene, view: &View, size: [u32; 2]) -> Result<String, PictureError> {
     let camera = Camera::new(scene, view, size)?;
+    let scene = &scene.with_lines_cut(LONGEST, |line| {
+        let [a, b] = line.ends.map(|end| camera.project(end).xy());
+        a.distance(b)
+    });
     let sight = Sight::new(scene, &camera);
-    let mut seen = sight.each_band(|band| {
+    let seen = sight.each_band(|band| {
         let mut seen: Vec<u32> = band.seen.iter().copied().filter(|&seen| seen != EMPTY).collect();
         seen.sort_unstable();
         seen.dedup();
         seen
     });
-    let mut seen = seen.iter_mut().flat_map(std::mem::take).collect::<Vec<_>>();
+    let mut seen = seen.concat();
     seen.sort_unstable();
     seen.dedup();
     let lines = seen.split_off(seen.partition_point(|&seen| (seen as usize) < scene.faces.len()));
-    // The middle of a large face of the ground may be nearer than what lies on it.
-    let order = |face: u32| (face as usize >= scene.ground, depth(&sight, face), face);
-    let mut faces: Vec<(bool, f64, u32)> = seen.into_iter().map(order).collect();
-    faces.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
 
     let [width, height] = size;
     let mut text = format!(
@@ -37,7 +41,7 @@ pub(super) fn svg(scene: &Scene, view: &View, size: [u32; 2]) -> Result<String, 
          stroke-linecap=\"round\" stroke-linejoin=\"round\">\n<rect width=\"100%\" height=\"100%\" fill=\"{}\"/>\n",
         Colour::PAPER.hex()
     );
-    for &(.., face) in &faces {
+    for face in painting_order(&sight, &seen) {
         draw_face(&mut text, &sight, &scene.faces[face as usize]);
     }
     for seen in lines {
@@ -51,13 +55,6 @@ pub(super) fn svg(scene: &Scene, view: &View, size: [u32; 2]) -> Result<String, 
     }
     text.push_str("</svg>\n");
     Ok(text)
-}
-
-/// The mean depth of a face's corners.
-fn depth(sight: &Sight, face: u32) -> f64 {
-    let outline = sight.outline(&sight.scene.faces[face as usize]);
-    let count = outline.len() as f64;
-    outline.map(|corner| corner.z).sum::<f64>() / count
 }
 
 fn draw_face(text: &mut String, sight: &Sight, face: &Face) {

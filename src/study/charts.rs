@@ -1,9 +1,8 @@
-//! The charts of a study: a measure by theta and by L, as the paper's figure 6 has them.
+//! The charts of a study: a measure by theta and by L, as the paper's figure 6 has them, and by the fit.
 
 use super::canvas::Canvas;
 use super::{Figures, Plan, Row, StudyError, Subject, Table};
 use crate::export::atomic;
-use crate::mesh::connect::ConnectOptions;
 use crate::picture::Image;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -21,22 +20,54 @@ pub(super) struct Measure {
     pub name: &'static str,
     /// How the name of its files ends.
     pub stem: &'static str,
-    of: fn(&Figures) -> Option<f64>,
-    /// The best that it can be; the chart ends there.
-    best: f64,
+    of: Of,
+    scale: Scale,
 }
 
-pub(super) const MEASURES: [Measure; 4] = [
-    Measure { name: "Qr, share of quads", stem: "qr", of: |figures| Some(figures.qr), best: 1.0 },
-    Measure { name: "Qg, shape of quads", stem: "qg", of: |figures| figures.qg, best: 1.0 },
-    Measure { name: "Tg, shape of triangles", stem: "tg", of: |figures| figures.tg, best: 1.0 },
+/// What a measure is one of.
+enum Of {
+    Meshes(fn(&Figures) -> Option<f64>),
+    Tiles(fn(&Row) -> f64),
+}
+
+/// Where the scale of a chart begins or ends, whatever the values.
+enum Scale {
+    To(f64),
+    From(f64),
+}
+
+const MEASURES: [Measure; 5] = [
+    Measure {
+        name: "Qr, share of quads",
+        stem: "qr",
+        of: Of::Meshes(|figures| Some(figures.qr)),
+        scale: Scale::To(1.0),
+    },
+    Measure { name: "Qg, shape of quads", stem: "qg", of: Of::Meshes(|figures| figures.qg), scale: Scale::To(1.0) },
+    Measure { name: "Tg, shape of triangles", stem: "tg", of: Of::Meshes(|figures| figures.tg), scale: Scale::To(1.0) },
     Measure {
         name: "irregular vertices, % of all",
         stem: "irregular",
-        of: |figures| Some(100.0 * figures.irregular as f64 / figures.vertices.max(1) as f64),
-        best: 0.0,
+        of: Of::Meshes(|figures| Some(100.0 * figures.irregular as f64 / figures.vertices.max(1) as f64)),
+        scale: Scale::From(0.0),
+    },
+    Measure {
+        name: "largest side of a tile over the smallest",
+        stem: "sides",
+        of: Of::Tiles(|row| row.side_range),
+        scale: Scale::From(1.0),
     },
 ];
+
+/// The measures that a plan has charts of: that of tiles where they are varied, and none where nothing is.
+pub(super) fn measures(plan: &Plan) -> impl Iterator<Item = &'static Measure> {
+    let varied = plan.swept().map(|values| values.len() > 1);
+    let shown = move |measure: &&Measure| match measure.of {
+        Of::Meshes(_) => varied.contains(&true),
+        Of::Tiles(_) => varied[2],
+    };
+    MEASURES.iter().filter(shown)
+}
 
 /// The name of a chart's file, without its ending.
 pub(super) fn stem(subject: &Subject, measure: &Measure) -> String {
@@ -45,7 +76,7 @@ pub(super) fn stem(subject: &Subject, measure: &Measure) -> String {
 
 /// Writes the charts of a surface as SVG and PNG.
 pub(super) fn write(folder: &Path, subject: &Subject, plan: &Plan, table: &Table) -> Result<(), StudyError> {
-    for measure in &MEASURES {
+    for measure in measures(plan) {
         let chart = Chart::new(subject, plan, table, measure);
         let path = |ending: &str| folder.join(format!("{}.{ending}", stem(subject, measure)));
         let failed = |path: &Path, reason: String| StudyError::Chart { path: path.to_owned(), reason };
@@ -67,13 +98,26 @@ pub(super) fn write(folder: &Path, subject: &Subject, plan: &Plan, table: &Table
 struct Series {
     name: String,
     colour: RGBColor,
-    after: bool,
-    /// By theta, and by L.
-    panels: [Vec<(f64, f64)>; 2],
+    style: Style,
+    /// For each panel.
+    panels: Vec<Vec<(f64, f64)>>,
 }
+
+/// How a line is drawn: before clean-up, after the paper's, and as the program leaves meshes.
+#[derive(Clone, Copy, PartialEq)]
+enum Style {
+    Dashed,
+    Plain,
+    Dotted,
+}
+
+const STYLES: [(Style, &str); 3] =
+    [(Style::Dashed, "before clean-up"), (Style::Plain, "paper's clean-up"), (Style::Dotted, "final")];
 
 struct Chart {
     title: String,
+    /// What its panels vary.
+    axes: Vec<String>,
     series: Vec<Series>,
     low: f64,
     high: f64,
@@ -90,44 +134,53 @@ const COLOURS: [RGBColor; 6] = [
 
 impl Chart {
     fn new(subject: &Subject, plan: &Plan, table: &Table, measure: &Measure) -> Self {
-        let usual = ConnectOptions::default();
+        let usual = plan.usual();
+        let [theta, l, _] = usual;
+        let names = [
+            format!("theta in degrees (L = {l})"),
+            format!("L in tile sides (theta = {theta})"),
+            format!("fit (theta = {theta}, L = {l})"),
+        ];
+        let varied: Vec<(usize, &[f64])> =
+            plan.swept().into_iter().enumerate().filter(|(_, values)| values.len() > 1).collect();
         let mut series = Vec::new();
         for (&points, &colour) in plan.points.iter().zip(COLOURS.iter().cycle()) {
-            let of = |row: &&Row| row.surface == subject.name && row.points == points;
-            let rows: Vec<&Row> = table.rows.iter().filter(of).collect();
-            for after in [false, true] {
-                let value = |row: &Row| (measure.of)(if after { &row.after } else { &row.before });
-                let panel = |fixed: fn(&Row) -> f64, at: f64, free: fn(&Row) -> f64, list: &[f64]| {
-                    let mut values: Vec<(f64, f64)> = rows
-                        .iter()
-                        .filter(|row| fixed(row) == at && list.contains(&free(row)))
-                        .filter_map(|row| Some((free(row), value(row)?)))
-                        .collect();
-                    values.sort_by(|a, b| a.0.total_cmp(&b.0));
-                    values
+            for (stage, (style, stage_name)) in STYLES.into_iter().enumerate() {
+                let value = |row: &Row| match measure.of {
+                    Of::Meshes(of) => of(row.figures()[stage]),
+                    Of::Tiles(of) => (style == Style::Dotted).then(|| of(row)),
                 };
-                series.push(Series {
-                    name: format!("{points} points, {}", if after { "after clean-up" } else { "before" }),
-                    colour,
-                    after,
-                    panels: [
-                        panel(|row| row.max_distance, usual.max_distance, |row| row.max_angle, &plan.angles),
-                        panel(|row| row.max_angle, usual.max_angle, |row| row.max_distance, &plan.distances),
-                    ],
-                });
+                let panel = |&(sweep, values): &(usize, &[f64])| {
+                    let shown = |row: &&Row| {
+                        let setting = row.setting();
+                        let others = (0..3).all(|k| k == sweep || setting[k] == usual[k]);
+                        row.surface == subject.name
+                            && row.points == points
+                            && others
+                            && values.contains(&setting[sweep])
+                    };
+                    let rows = table.rows.iter().filter(shown);
+                    let mut places: Vec<(f64, f64)> =
+                        rows.filter_map(|row| Some((row.setting()[sweep], value(row)?))).collect();
+                    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+                    places
+                };
+                let name = format!("{points} points, {stage_name}");
+                series.push(Series { name, colour, style, panels: varied.iter().map(panel).collect() });
             }
         }
+        series.retain(|series| series.panels.iter().any(|panel| !panel.is_empty()));
         let values = series.iter().flat_map(|series| &series.panels).flatten().map(|point| point.1);
         let (least, most) =
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)));
         // Where all is nearly the best, the chart is not to make much of little.
-        let (low, high) = if measure.best > 0.0 {
-            ((20.0 * least - 0.2).floor().clamp(0.0, 18.0) / 20.0, measure.best)
-        } else {
-            (0.0, (1.1 * most).ceil().max(1.0))
+        let (low, high) = match measure.scale {
+            Scale::To(best) => ((20.0 * least - 0.2).floor().clamp(0.0, 18.0) / 20.0, best),
+            Scale::From(low) => (low, (1.1 * most).ceil().max(low + 1.0)),
         };
         let title = format!("{}: {}", subject.stem, measure.name);
-        Self { title, series, low, high }
+        let axes = varied.iter().map(|&(sweep, _)| names[sweep].clone()).collect();
+        Self { title, axes, series, low, high }
     }
 
     fn draw(&self, backend: impl DrawingBackend) -> Result<(), String> {
@@ -140,8 +193,7 @@ impl Chart {
         let style = ("sans-serif", LETTERS + 4).into_text_style(&title);
         title.draw_text(&self.title, &style, (LETTERS, LETTERS / 2))?;
         let (panels, legend) = rest.split_vertically(SIZE.1 as i32 - 2 * LETTERS - self.legend_height());
-        let titles = ["theta in degrees (L = 1.6)", "L in tile sides (theta = 30)"];
-        for ((area, panel), title) in panels.split_evenly((1, 2)).iter().zip(0..).zip(titles) {
+        for ((area, panel), title) in panels.split_evenly((1, self.axes.len())).iter().zip(0..).zip(&self.axes) {
             self.panel(area, panel, title)?;
         }
         self.legend(&legend)?;
@@ -181,39 +233,48 @@ impl Chart {
             .draw()?;
         for series in &self.series {
             let values = || series.panels[panel].iter().copied();
-            if series.after {
-                chart.draw_series(LineSeries::new(values(), series.colour.stroke_width(3)))?;
-                chart.draw_series(values().map(|place| Circle::new(place, 5, series.colour.filled())))?;
-            } else {
-                chart.draw_series(DashedLineSeries::new(values(), 8, 7, series.colour.stroke_width(2)))?;
+            match series.style {
+                Style::Dashed => {
+                    chart.draw_series(DashedLineSeries::new(values(), 8, 7, series.colour.stroke_width(2)))?;
+                }
+                Style::Plain => {
+                    chart.draw_series(LineSeries::new(values(), series.colour.stroke_width(2)))?;
+                }
+                Style::Dotted => {
+                    chart.draw_series(LineSeries::new(values(), series.colour.stroke_width(3)))?;
+                    chart.draw_series(values().map(|place| Circle::new(place, 5, series.colour.filled())))?;
+                }
             }
         }
         Ok(())
     }
 
     fn legend_height(&self) -> i32 {
-        (self.series.len().div_ceil(2) as i32) * (LETTERS + 6) + LETTERS / 2
+        (self.series.len().div_ceil(STYLES.len()) as i32) * (LETTERS + 6) + LETTERS / 2
     }
 
-    /// Two columns: before, and after.
+    /// A column for each style.
     fn legend<B: DrawingBackend>(
         &self,
         area: &DrawingArea<B, Shift>,
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+        let columns = STYLES.len() as i32;
         for (number, series) in (0..).zip(&self.series) {
-            let (x, y) = (5 * LETTERS + number % 2 * SIZE.0 as i32 / 2, number / 2 * (LETTERS + 6) + LETTERS / 2);
-            let line =
-                |from: i32, to: i32| PathElement::new([(x + from, y), (x + to, y)], series.colour.stroke_width(3));
-            if series.after {
-                area.draw(&line(0, 60))?;
-                area.draw(&Circle::new((x + 30, y), 5, series.colour.filled()))?;
-            } else {
-                for dash in 0..4 {
-                    area.draw(&line(16 * dash, 16 * dash + 9))?;
+            let x = 2 * LETTERS + number % columns * SIZE.0 as i32 / columns;
+            let y = number / columns * (LETTERS + 6) + LETTERS / 2;
+            let line = |from: i32, to: i32, width: u32| {
+                PathElement::new([(x + from, y), (x + to, y)], series.colour.stroke_width(width))
+            };
+            match series.style {
+                Style::Dashed => (0..4).try_for_each(|dash| area.draw(&line(14 * dash, 14 * dash + 8, 2)))?,
+                Style::Plain => area.draw(&line(0, 50, 2))?,
+                Style::Dotted => {
+                    area.draw(&line(0, 50, 3))?;
+                    area.draw(&Circle::new((x + 25, y), 5, series.colour.filled()))?;
                 }
             }
             let style = ("sans-serif", LETTERS - 2).into_text_style(area).pos(Pos::new(HPos::Left, VPos::Center));
-            area.draw_text(&series.name, &style, (x + 75, y))?;
+            area.draw_text(&series.name, &style, (x + 60, y))?;
         }
         Ok(())
     }

@@ -2,11 +2,15 @@
 //!
 //! # Theory
 //! The paper's figure 6: Qr of the ONERA M6 wing at 6,000, 30,000 and 60,000 points, as theta changes with L fixed at 1.6, and
-//! as L changes with theta fixed at 30 degrees; before and after clean-up.
+//! as L changes with theta fixed at 30 degrees. Its section 4.2: the same before and after clean-up.
+//!
+//! # Changes versus the paper
+//! Each mesh is measured three times: before the clean-up, after the paper's own and smoothing, which
+//! the paper has not, and as the program leaves it, with triangles paired too. A third sweep is that of the fit of tiles to the field.
 //!
 //! # Practice
 //! A mosaic is made once and connected many times. After each connection the table of all rows is written: a study that was
-//! interrupted goes on where it was, as long as the surfaces and the program's version are the same.
+//! interrupted goes on where it was, as long as the surfaces, the options and the program's version are the same.
 
 mod canvas;
 mod charts;
@@ -17,6 +21,7 @@ pub use table::{Figures, Row, Table};
 
 use crate::compute::{Backend, ComputeError};
 use crate::export::WriteError;
+use crate::field::GuideReport;
 use crate::mesh::check::check_joined;
 use crate::mesh::connect::ConnectOptions;
 use crate::mesh::triangulate::triangulate;
@@ -71,7 +76,7 @@ pub enum StudyError {
 }
 
 /// What is varied.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Plan {
     /// Numbers of vertices.
     pub points: Vec<usize>,
@@ -79,6 +84,10 @@ pub struct Plan {
     pub angles: Vec<f64>,
     /// L, in tile sides, each with theta as it is by default.
     pub distances: Vec<f64>,
+    /// [`Options::fit`], each with theta and L as they are by default; each takes a mosaic of its own.
+    pub fits: Vec<f64>,
+    /// All that is not varied; its fineness does not count, nor does its [`Options::connect`].
+    pub options: Options,
     /// Pixels of the pictures of meshes and mosaics.
     pub picture: [u32; 2],
 }
@@ -90,24 +99,54 @@ impl Default for Plan {
             points: vec![6_000, 30_000, 60_000],
             angles: (2..=9).map(|step| 5.0 * f64::from(step)).collect(),
             distances: (6..=12).map(|step| f64::from(step) / 5.0).collect(),
+            fits: Vec::new(),
+            options: Options::new(Fineness::Points(6_000)),
             picture: [1200, 900],
         }
     }
 }
 
+/// Theta, L and the fit.
+type Setting = [f64; 3];
+
 impl Plan {
-    /// Each pair of theta and L once; the first is that of the default.
-    fn constraints(&self) -> Vec<ConnectOptions> {
-        let usual = ConnectOptions::default();
-        let by_angle = self.angles.iter().map(|&max_angle| ConnectOptions { max_angle, ..usual });
-        let by_distance = self.distances.iter().map(|&max_distance| ConnectOptions { max_distance, ..usual });
+    /// The setting that all sweeps share.
+    fn usual(&self) -> Setting {
+        let ConnectOptions { max_angle, max_distance } = ConnectOptions::default();
+        [max_angle, max_distance, self.options.fit]
+    }
+
+    /// What is tried of theta, L and the fit.
+    fn swept(&self) -> [&[f64]; 3] {
+        [&self.angles, &self.distances, &self.fits]
+    }
+
+    /// Each setting once; the first is the usual one.
+    fn settings(&self) -> Vec<Setting> {
+        let usual = self.usual();
         let mut all = vec![usual];
-        for constraint in by_angle.chain(by_distance) {
-            if !all.contains(&constraint) {
-                all.push(constraint);
+        for (sweep, values) in self.swept().into_iter().enumerate() {
+            for &value in values {
+                let mut setting = usual;
+                setting[sweep] = value;
+                if !all.contains(&setting) {
+                    all.push(setting);
+                }
             }
         }
         all
+    }
+
+    /// The settings, by the mosaics that they connect: those of one fit stand together.
+    fn mosaics(&self) -> Vec<Vec<Setting>> {
+        let mut mosaics: Vec<Vec<Setting>> = Vec::new();
+        for setting in self.settings() {
+            match mosaics.iter_mut().find(|mosaic| mosaic[0][2] == setting[2]) {
+                Some(mosaic) => mosaic.push(setting),
+                None => mosaics.push(vec![setting]),
+            }
+        }
+        mosaics
     }
 }
 
@@ -123,9 +162,12 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// A number that another surface hardly has.
-    fn digest(&self) -> String {
+    /// A number that another surface, or this one with other options, hardly has.
+    fn digest(&self, plan: &Plan) -> String {
         let mut hasher = FxHasher::default();
+        let connect = ConnectOptions::default();
+        let options = Options { fineness: Fineness::Points(0), fit: 0.0, connect, ..plan.options.clone() };
+        format!("{options:?}").hash(&mut hasher);
         self.soup.points.as_flattened().iter().for_each(|x| x.to_bits().hash(&mut hasher));
         self.soup.triangles.hash(&mut hasher);
         format!("{:016x}", hasher.finish())
@@ -150,22 +192,24 @@ pub fn run(
     progress: &dyn Fn(f64, &str),
 ) -> Result<Table, StudyError> {
     let old = table::read(&folder.join(TABLE))?;
-    let mut work =
-        Work { folder, picture: plan.picture, backend, progress, table: Table::default(), done: 0.0, all: 0.0 };
-    let constraints = plan.constraints();
+    let mut work = Work { folder, plan, backend, progress, table: Table::default(), done: 0.0, all: 0.0 };
+    let mosaics = plan.mosaics();
     for subject in subjects {
-        let digest = subject.digest();
+        let digest = subject.digest(plan);
         let wanted = |row: &Row| row.digest == digest && row.surface == subject.name;
         work.table.rows.extend(old.rows.iter().filter(|row| wanted(row)).cloned());
     }
-    let runs: f64 = plan.points.iter().map(|&points| weight(points, constraints.len())).sum();
-    work.all = runs * subjects.len() as f64;
+    let points = plan.points.iter().sum::<usize>() as f64 * subjects.len() as f64;
+    work.all = points * mosaics.iter().map(|settings| LAYING + settings.len() as f64).sum::<f64>();
     for subject in subjects {
         for &points in &plan.points {
-            work.group(subject, points, &constraints)?;
+            for settings in &mosaics {
+                work.mosaic(subject, points, settings)?;
+            }
         }
     }
-    work.table.rows.retain(|row| plan.points.contains(&row.points) && constraints.contains(&row.constraint()));
+    let settings = plan.settings();
+    work.table.rows.retain(|row| plan.points.contains(&row.points) && settings.contains(&row.setting()));
     work.table.sort(subjects, plan);
     work.save()?;
     for subject in subjects {
@@ -175,14 +219,12 @@ pub fn run(
     Ok(work.table)
 }
 
-/// How much work a mosaic and so many connections are: one connection of a point is one, and laying it four.
-fn weight(points: usize, connections: usize) -> f64 {
-    points as f64 * (4.0 + connections as f64)
-}
+/// How long laying a mosaic takes, in connections of it.
+const LAYING: f64 = 2.0;
 
 struct Work<'a> {
     folder: &'a Path,
-    picture: [u32; 2],
+    plan: &'a Plan,
     backend: &'a dyn Backend,
     progress: &'a dyn Fn(f64, &str),
     table: Table,
@@ -191,49 +233,61 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// All that is wanted of one surface at one number of points.
-    fn group(&mut self, subject: &Subject, points: usize, constraints: &[ConnectOptions]) -> Result<(), StudyError> {
-        let digest = subject.digest();
-        let known = |table: &Table, constraint: &ConnectOptions| {
-            let same = |row: &&Row| row.points == points && row.digest == digest && row.constraint() == *constraint;
-            table.rows.iter().any(|row| same(&row))
+    /// All that is wanted of one mosaic, which these settings connect.
+    fn mosaic(&mut self, subject: &Subject, points: usize, settings: &[Setting]) -> Result<(), StudyError> {
+        let digest = subject.digest(self.plan);
+        let usual = self.plan.usual();
+        let known = |table: &Table, setting: &Setting| {
+            let same = |row: &Row| row.points == points && row.digest == digest && row.setting() == *setting;
+            table.rows.iter().any(same)
         };
+        let missing: Vec<Setting> = settings.iter().filter(|setting| !known(&self.table, setting)).copied().collect();
         let pictures = ["mosaic", "before", "after"].map(|what| self.folder.join(subject.file(points, what)));
-        let missing: Vec<ConnectOptions> =
-            constraints.iter().filter(|constraint| !known(&self.table, constraint)).copied().collect();
-        self.done += weight(points, constraints.len() - missing.len()) - weight(points, 0);
-        if missing.is_empty() && pictures.iter().all(|picture| picture.is_file()) {
-            self.done += weight(points, 0);
+        let pictured = settings[0] == usual;
+        let drawn = !pictured || !missing.contains(&usual) && pictures.iter().all(|picture| picture.is_file());
+        self.done += (settings.len() - missing.len()) as f64 * points as f64;
+        if missing.is_empty() && drawn {
+            self.done += LAYING * points as f64;
             return Ok(());
         }
         let say = |work: &Self, what: String| (work.progress)(work.done / work.all, &what);
-        let name = &subject.name;
-        // The paper has no pairing of triangles.
-        let usual = Options { pairing: None, ..Options::new(Fineness::Points(points)) };
-        say(self, format!("{name}, {points} points: mosaic"));
+        let (name, fit) = (&subject.name, settings[0][2]);
+        let of_fit = if self.plan.fits.is_empty() { String::new() } else { format!(", fit {fit}") };
+        say(self, format!("{name}, {points} points{of_fit}: mosaic"));
         let failed = |source: PipelineError| StudyError::Pipeline { surface: name.clone(), points, source };
         let compute = |source: ComputeError| failed(source.into());
+        let options = Options { fineness: Fineness::Points(points), fit, ..self.plan.options.clone() };
         let started = Instant::now();
-        let (surface, sizes, count) = prepare(&subject.soup, &usual).map_err(failed)?;
-        let field = pipeline::field(&surface, sizes, count, &usual, self.backend).map_err(failed)?;
-        let mosaic = pipeline::lay(&surface, &field, self.backend, count, &usual, &|_| ()).map_err(compute)?;
+        let (surface, sizes, count) = prepare(&subject.soup, &options).map_err(failed)?;
+        let field = pipeline::field(&surface, sizes, count, &options, self.backend).map_err(failed)?;
+        let mosaic = pipeline::lay(&surface, &field, self.backend, count, &options, &|_| ()).map_err(compute)?;
         let triangulation = triangulate(&surface, &field, &mosaic);
         let laid = started.elapsed();
-        self.done += weight(points, 0);
+        self.done += LAYING * points as f64;
 
-        self.draw(&pictures[0], &mosaic_scene(&surface, &mosaic, 0.1, None))?;
-        let connected = |connect| {
-            let started = Instant::now();
-            let options = Options { connect, ..usual.clone() };
-            (pipeline::connected(&surface, &mosaic, &triangulation, &options), started.elapsed())
+        let connected = |[max_angle, max_distance, _]: Setting, paper: bool| {
+            let connect = ConnectOptions { max_distance, max_angle };
+            let options = Options { connect, ..options.clone() };
+            let options = if paper { Options { pairing: None, ..options } } else { options };
+            pipeline::connected(&surface, &mosaic, &triangulation, &options)
         };
-        let Meshed { before, mesh, .. } = connected(usual.connect).0;
-        self.draw(&pictures[1], &mesh_scene(&before, Paint::Sides))?;
-        self.draw(&pictures[2], &mesh_scene(&mesh, Paint::Sides))?;
-        for connect in missing {
-            let ConnectOptions { max_distance, max_angle } = connect;
-            say(self, format!("{name}, {points} points: theta {max_angle}, L {max_distance}"));
-            let (meshed, time) = connected(connect);
+        if !drawn {
+            let Meshed { before, mesh, .. } = connected(usual, false);
+            self.draw(&pictures[0], &mosaic_scene(&surface, &mosaic, 0.1, None))?;
+            self.draw(&pictures[1], &mesh_scene(&before, Paint::Sides))?;
+            self.draw(&pictures[2], &mesh_scene(&mesh, Paint::Sides))?;
+        }
+        let sides = mosaic.tiles.iter().map(|tile| f64::from(tile.h));
+        let (least, most) = sides.fold((f64::INFINITY, 0.0_f64), |(least, most), h| (least.min(h), most.max(h)));
+        let trouble = |guide: &GuideReport| Some(format!("{}: {}", guide.name, guide.trouble.as_ref()?));
+        let warnings: Vec<String> = field.guides().iter().filter_map(trouble).collect();
+        for setting in missing {
+            let [max_angle, max_distance, fit] = setting;
+            say(self, format!("{name}, {points} points{of_fit}: theta {max_angle}, L {max_distance}"));
+            let cleaned = connected(setting, true).mesh;
+            let started = Instant::now();
+            let meshed = connected(setting, false);
+            let time = started.elapsed();
             let milliseconds = |time: Duration| (time.as_secs_f64() * 1e4).round() / 10.0;
             self.table.rows.push(Row {
                 surface: name.clone(),
@@ -241,12 +295,16 @@ impl Work<'_> {
                 points,
                 max_angle,
                 max_distance,
+                fit,
                 before: Figures::of(&meshed.before),
+                cleaned: Figures::of(&cleaned),
                 after: Figures::of(&meshed.mesh),
                 holes: meshed.holes,
                 faults: check_joined(&meshed.mesh, &meshed.branches).list.len(),
+                side_range: most / least,
                 mosaic_ms: milliseconds(laid),
                 mesh_ms: milliseconds(time),
+                warnings: warnings.clone(),
             });
             self.save()?;
             self.done += points as f64;
@@ -259,6 +317,6 @@ impl Work<'_> {
     }
 
     fn draw(&self, path: &Path, scene: &Scene) -> Result<(), StudyError> {
-        Ok(write_picture(path, scene, &View::default(), self.picture)?)
+        Ok(write_picture(path, scene, &View::default(), self.plan.picture)?)
     }
 }

@@ -1,9 +1,8 @@
 //! The page of a study: its table, charts and pictures in one file that needs no other.
 
-use super::charts::{MEASURES, stem};
-use super::{Plan, Row, StudyError, Subject, Table};
+use super::charts::{measures, stem};
+use super::{Figures, Plan, Row, StudyError, Subject, Table};
 use crate::export::atomic;
-use crate::mesh::connect::ConnectOptions;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use std::fs;
 use std::path::Path;
@@ -13,34 +12,40 @@ const STYLE: &str = "body{font:16px/1.5 sans-serif;color:#2c3038;max-width:1240p
     border-bottom:1px solid #dde1e6}th:first-child,td:first-child{text-align:left}svg,img{max-width:100%;height:auto}\
     figure{margin:1em 0;display:inline-block;max-width:32%}figcaption{font-size:14px}.chart{display:block}";
 
-/// What the paper reports of the ONERA M6 wing.
-const PAPER: &str = "<tr><td>the paper, M6</td><td>6000 to 60000</td><td></td><td>about 0.80</td><td>about 0.90</td>\
-    <td>about 0.8</td><td>0.91 to 0.93</td><td></td><td></td><td></td></tr>";
+/// What the paper reports of the ONERA M6 wing (section 4).
+const PAPER: &str = "<tr><td>the paper, M6</td><td>6000 to 60000</td><td></td><td></td><td>about 0.80</td><td>about 0.90</td><td></td>\
+    <td></td><td>about 0.8</td><td></td><td>0.91 to 0.93</td></tr>";
 
-const HEAD: &str = "<tr><th>surface</th><th>points</th><th>vertices</th><th>Qr before</th><th>Qr</th><th>Qg</th><th>Tg</th>\
-    <th>irregular</th><th>faults</th><th>ms</th></tr>";
+const HEAD: &str = "<tr><th rowspan=\"2\">surface</th><th rowspan=\"2\">points</th><th rowspan=\"2\">fit</th>\
+    <th rowspan=\"2\">vertices</th><th colspan=\"3\">Qr</th><th colspan=\"3\">Qg</th><th>Tg</th>\
+    <th colspan=\"3\">irregular vertices</th><th rowspan=\"2\">sides, largest<br>over smallest</th>\
+    <th rowspan=\"2\">faults</th><th rowspan=\"2\">ms</th></tr>\
+    <tr><th>before</th><th>paper's</th><th>final</th><th>before</th><th>paper's</th><th>final</th><th>final</th>\
+    <th>before</th><th>paper's</th><th>final</th></tr>";
 
 /// Writes `study.html`; charts and pictures are those of the folder.
 pub(super) fn write(folder: &Path, subjects: &[Subject], plan: &Plan, table: &Table) -> Result<(), StudyError> {
+    let [theta, l, _] = plan.usual();
     let mut page = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Study</title><style>{STYLE}</style></head>\n\
-         <body>\n<h1>Study: theta and L</h1>\n<p>{}. Theta = 30 degrees and L = 1.6 in the table.</p>\n<table>\n{HEAD}\n",
+         <body>\n<h1>Study</h1>\n<p>{}. In the table theta is {theta} degrees and L {l}. \
+         Meshes are measured before clean-up, after the paper's clean-up and smoothing, and as the program leaves
+         them.</p>\n<table>\n{HEAD}\n",
         table.program
     );
-    let usual = ConnectOptions::default();
-    for row in table.rows.iter().filter(|row| row.constraint() == usual) {
+    for row in table.rows.iter().filter(|row| row.setting()[..2] == [theta, l]) {
         page.push_str(&line(row));
     }
     page.push_str(&format!("{PAPER}\n</table>\n"));
     for subject in subjects {
         page.push_str(&format!("<h2>{}</h2>\n", escaped(&subject.name)));
-        for measure in &MEASURES {
+        for measure in measures(plan) {
             let svg = read(folder, &format!("{}.svg", stem(subject, measure)))?;
             page.push_str(&format!("<div class=\"chart\">{}</div>\n", String::from_utf8_lossy(&svg)));
         }
         for &points in &plan.points {
             page.push_str(&format!("<h3>{points} points</h3>\n"));
-            let kinds = [("mosaic", "mosaic"), ("before", "mesh before clean-up"), ("after", "mesh")];
+            let kinds = [("mosaic", "mosaic"), ("before", "mesh before clean-up"), ("after", "final mesh")];
             for (what, title) in kinds {
                 let png = BASE64_STANDARD.encode(read(folder, &subject.file(points, what))?);
                 page.push_str(&format!(
@@ -54,16 +59,18 @@ pub(super) fn write(folder: &Path, subjects: &[Subject], plan: &Plan, table: &Ta
 }
 
 fn line(row: &Row) -> String {
-    let Row { surface, points, before, after, faults, mosaic_ms, mesh_ms, .. } = row;
-    let [qg, tg] = [after.qg, after.tg].map(|mean| mean.map_or("none".to_owned(), |mean| format!("{mean:.3}")));
+    let Row { surface, points, fit, after, faults, side_range, mosaic_ms, mesh_ms, .. } = row;
+    let shown = |mean: Option<f64>| mean.map_or("none".to_owned(), |mean| format!("{mean:.3}"));
+    let three = |of: &dyn Fn(&Figures) -> String| row.figures().map(of).join("</td><td>");
     format!(
-        "<tr><td>{}</td><td>{points}</td><td>{}</td><td>{:.3}</td><td>{:.3}</td><td>{qg}</td><td>{tg}</td><td>{}</td>\
-         <td>{faults}</td><td>{:.0}</td></tr>\n",
+        "<tr><td>{}</td><td>{points}</td><td>{fit}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
+         <td>{side_range:.2}</td><td>{faults}</td><td>{:.0}</td></tr>\n",
         escaped(surface),
         after.vertices,
-        before.qr,
-        after.qr,
-        after.irregular,
+        three(&|figures| format!("{:.3}", figures.qr)),
+        three(&|figures| shown(figures.qg)),
+        shown(after.tg),
+        three(&|figures| figures.irregular.to_string()),
         mosaic_ms + mesh_ms
     )
 }

@@ -1,9 +1,8 @@
 //! The rows of a study, as CSV and as JSON.
 
-use super::{Plan, StudyError, Subject, TABLE};
+use super::{Plan, Setting, StudyError, Subject, TABLE};
 use crate::export::{WriteError, atomic};
 use crate::mesh::Mesh;
-use crate::mesh::connect::ConnectOptions;
 use crate::mesh::quality::Quality;
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -17,7 +16,7 @@ const PROGRAM: &str = concat!("quadmosaic ", env!("CARGO_PKG_VERSION"));
 pub struct Table {
     /// The program's name and version.
     pub program: String,
-    /// By surface, points, and theta and L.
+    /// By surface, points, fit, theta and L.
     pub rows: Vec<Row>,
 }
 
@@ -32,7 +31,7 @@ impl Default for Table {
 pub struct Row {
     /// The surface's name.
     pub surface: String,
-    /// A number that stands for its triangles.
+    /// A number that stands for its triangles and for the options.
     pub digest: String,
     /// The vertices asked for.
     pub points: usize,
@@ -40,23 +39,36 @@ pub struct Row {
     pub max_angle: f64,
     /// L, in tile sides.
     pub max_distance: f64,
+    /// How far the sides of tiles follow the field.
+    pub fit: f64,
     /// The mesh before clean-up.
     pub before: Figures,
-    /// The mesh.
+    /// The mesh after the paper's clean-up, smoothed.
+    pub cleaned: Figures,
+    /// The mesh as the program leaves it.
     pub after: Figures,
     /// Holes of the connected mosaic, before they were filled.
     pub holes: usize,
     /// Broken invariants of the mesh.
     pub faults: usize,
+    /// The largest side of a tile over the smallest.
+    pub side_range: f64,
     /// Milliseconds from triangles to a triangulated mosaic, which is made once for many rows.
     pub mosaic_ms: f64,
     /// Milliseconds from there to the mesh.
     pub mesh_ms: f64,
+    /// What guides do not do that was asked for.
+    pub warnings: Vec<String>,
 }
 
 impl Row {
-    pub(super) fn constraint(&self) -> ConnectOptions {
-        ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle }
+    pub(super) fn setting(&self) -> Setting {
+        [self.max_angle, self.max_distance, self.fit]
+    }
+
+    /// Before clean-up, after the paper's, and as the program leaves it.
+    pub(super) fn figures(&self) -> [&Figures; 3] {
+        [&self.before, &self.cleaned, &self.after]
     }
 }
 
@@ -88,13 +100,14 @@ impl Figures {
 }
 
 impl Table {
-    /// In the order of the subjects, of the plan's points, and then by theta and L.
+    /// In the order of the subjects, of the plan's points, and then by fit, theta and L.
     pub(super) fn sort(&mut self, subjects: &[Subject], plan: &Plan) {
         let subject = |row: &Row| subjects.iter().position(|subject| subject.name == row.surface);
         let points = |row: &Row| plan.points.iter().position(|&points| points == row.points);
         self.rows.sort_by(|a, b| {
             (subject(a), points(a))
                 .cmp(&(subject(b), points(b)))
+                .then(a.fit.total_cmp(&b.fit))
                 .then(a.max_angle.total_cmp(&b.max_angle))
                 .then(a.max_distance.total_cmp(&b.max_distance))
         });
@@ -123,21 +136,26 @@ pub(super) fn write(folder: &Path, table: &Table) -> Result<(), WriteError> {
     })
 }
 
-const HEADER: &str = "surface,points,theta,L,vertices,quads_before,triangles_before,Qr_before,Qg_before,Tg_before,\
-                      irregular_before,quads,triangles,Qr,Qg,Tg,irregular,holes,faults,mosaic_ms,mesh_ms";
+/// Before the three parts of figures, and after them.
+const HEADER: [&str; 2] = ["surface,points,theta,L,fit", "holes,faults,side_range,mosaic_ms,mesh_ms"];
 
 fn csv(writer: &mut dyn Write, table: &Table) -> io::Result<()> {
-    writeln!(writer, "{HEADER}")?;
-    for row in &table.rows {
-        let Row { surface, points, max_angle, max_distance, before, after, holes, faults, mosaic_ms, mesh_ms, .. } =
-            row;
-        let name = format!("\"{}\"", surface.replace('"', "\"\""));
-        write!(writer, "{name},{points},{max_angle},{max_distance},{}", after.vertices)?;
-        for Figures { quads, triangles, qr, qg, tg, irregular, .. } in [before, after] {
-            let [qg, tg] = [qg, tg].map(|mean| mean.map_or(String::new(), |mean| format!("{mean:.5}")));
-            write!(writer, ",{quads},{triangles},{qr:.5},{qg},{tg},{irregular}")?;
+    write!(writer, "{}", HEADER[0])?;
+    for of in ["_before", "_cleaned", ""] {
+        for name in ["vertices", "quads", "triangles", "Qr", "Qg", "Tg", "irregular"] {
+            write!(writer, ",{name}{of}")?;
         }
-        writeln!(writer, ",{holes},{faults},{mosaic_ms},{mesh_ms}")?;
+    }
+    writeln!(writer, ",{}", HEADER[1])?;
+    for row in &table.rows {
+        let name = format!("\"{}\"", row.surface.replace('"', "\"\""));
+        let Row { points, max_angle, max_distance, fit, holes, faults, side_range, mosaic_ms, mesh_ms, .. } = row;
+        write!(writer, "{name},{points},{max_angle},{max_distance},{fit}")?;
+        for Figures { vertices, quads, triangles, qr, qg, tg, irregular } in row.figures() {
+            let [qg, tg] = [qg, tg].map(|mean| mean.map_or(String::new(), |mean| format!("{mean:.5}")));
+            write!(writer, ",{vertices},{quads},{triangles},{qr:.5},{qg},{tg},{irregular}")?;
+        }
+        writeln!(writer, ",{holes},{faults},{side_range:.3},{mosaic_ms},{mesh_ms}")?;
     }
     Ok(())
 }

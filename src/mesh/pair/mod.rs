@@ -6,7 +6,7 @@
 //! triangle walks, since with the quad beside it it forms a pentagon that can be cut anew. Along the column beside it a walk
 //! costs nothing (it glides), in other directions it leaves a vertex of valence 3 and one of valence 5 behind.
 //!
-//! From each triangle a uniform-cost search goes over its steps (`step.rs`) and tries rows (`rows.rs`) from the cheap ones,
+//! From each triangle a uniform-cost search (`search.rs`) goes over its steps (`step.rs`) and tries rows (`rows.rs`) from the cheap ones,
 //! where cost is the growth of the sum of squared differences of valences from what they should be: 4, and on features
 //! one face for each right angle. The cheapest ends are settled (`settle.rs`): the vertices about them move to where they will
 //! be in the end, and the shapes that result decide. Changes are made in the order of their gains, judged once more
@@ -16,12 +16,15 @@
 //! The paper has nothing of this; see design section 8 ("beyond the paper").
 //!
 //! # Practice
-//! The eight models and the example at 6,000 points (judged by an independent meter): Qr 0.968 before all clean-up, 0.991
-//! after, Qg 0.949, irregular vertices 2.7 %; with [`Quads::All`] Qr 1, Qg 0.936, 2.8 %. At 60,000 points m6_gen, spot and
-//! fandisk have Qr 0.999, 0.997 and 0.998.
+//! The eight models and the example at 6,000 points (judged by an independent meter): Qr 0.977 before all clean-up, 0.990
+//! after, Qg 0.952, irregular vertices 2.3 %; with [`Quads::All`] Qr 1, Qg 0.937, 2.9 %. At 60,000 points m6_gen, spot and
+//! fandisk have Qr 0.997, 0.993 and 0.996, and Qg 0.984, 0.969 and 0.977.
 //!
-//! Tried on m6_gen, fish_blub, anchor and plane (mean Qr, Qg; 0.9885, 0.9445 by default): a price of 0.5 gives 0.980, 0.949
-//! and one of 2 gives 0.991, 0.942. Rows of at most 4 or 16 quads instead of 8, 30 or 200 drafts instead of 10 and 12 sweeps
+//! The price of a triangle weighs Qr against Qg: 1, 0.7 and 0.5 gave anchor 0.994, 0.991 and 0.987 against 0.954, 0.956 and 0.957.
+//! 326 triangles of m6_gen at 60,000 points take 0.2 s on two cores, most of it to settle drafts.
+//!
+//! Tried on m6_gen, fish_blub, anchor and plane (mean Qr, Qg) before vertices were touched up: a price of 0.5 gave 0.980, 0.949,
+//! 1 gave 0.9885, 0.9445 and 2 gave 0.991, 0.942. Rows of at most 4 or 16 quads instead of 8, 30 or 200 drafts instead of 10 and 12 sweeps
 //! of settling instead of 6 change neither by 0.001. Re-cutting the whole strip between two triangles in the best way, with
 //! all vertices where they are, as was done before, paired next to none: a strip that leans by half a square is refused
 //! for its shape before smoothing.
@@ -33,6 +36,7 @@
 mod draft;
 mod polish;
 mod rows;
+mod search;
 mod settle;
 mod step;
 mod ways;
@@ -44,13 +48,10 @@ use crate::surface::{Footing, Surface, WALK_EDGES, walk};
 use draft::{Draft, Scene};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use rows::Within;
 use rustc_hash::FxHashSet;
+use search::End;
 use serde::Serialize;
 use settle::{Settled, settle};
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-use step::Step;
 use ways::Added;
 
 /// Which triangles are to become quads.
@@ -195,16 +196,6 @@ struct Work<'a> {
 
 /// Rounds at most; each leaves those for the next whose surroundings another has changed.
 const ROUNDS: usize = 12;
-/// Drafts of one triangle that are settled.
-const SETTLED: usize = 3;
-/// What a step costs besides, in squared valences.
-const STEP: f64 = 0.1;
-/// What the last step may make good at most.
-const HOPE: f64 = 2.5;
-/// Rows are looked for from drafts that cost less.
-const CHEAP: f64 = 0.35;
-/// Drafts that cost more are not followed.
-const MOST: f64 = 2.6;
 /// The count of vertices changes by one in so many at most, since so many were asked for, ...
 const DRIFT: i64 = 150;
 /// ... but on small meshes by this.
@@ -331,58 +322,6 @@ impl<'a> Work<'a> {
         Some(Settled { gain: settled.gain + self.regularity * relief, ..settled })
     }
 
-    /// The cheapest drafts in which the triangle is no more, by uniform-cost search over its steps.
-    fn search(&self, triangle: u32) -> Vec<End<'_>> {
-        let mut walked = vec![(Draft::new(&self.scene), triangle)];
-        let mut seen: FxHashSet<[u32; 3]> = FxHashSet::default();
-        let mut heap: BinaryHeap<Reached> = BinaryHeap::new();
-        let mut ends = Ends { list: Vec::new() };
-        let (mut node, mut cost) = (0, 0.0);
-        loop {
-            let (draft, triangle) = (&walked[node].0, walked[node].1);
-            for side in 0..3 {
-                let corners = draft.face(triangle);
-                let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
-                if cost < CHEAP {
-                    let longest = self.options.longest_row;
-                    let within = |ends: &Ends| Within { longest, most: ends.most() - cost };
-                    let out = rows::take_out(draft, triangle, side, within(&ends));
-                    ends.extend(Kind::RowOut, cost, out);
-                    let rows = rows::put_in(draft, triangle, z, within(&ends));
-                    ends.extend(Kind::RowIn, cost, rows);
-                }
-                let Some(next) = draft.across(x, y) else { continue };
-                match draft.face(next).len() {
-                    3 => ends.extend(Kind::Met, cost, step::meet(draft, triangle, side, next)),
-                    4 => heap.extend(step::steps(draft, triangle, side, next).filter_map(|step| {
-                        let cost = cost + step.cost(draft) + STEP;
-                        (cost - HOPE < ends.most() && !seen.contains(&step.key())).then_some(Reached {
-                            cost,
-                            from: node,
-                            step,
-                        })
-                    })),
-                    _ => {}
-                }
-            }
-            if walked.len() == self.options.drafts {
-                return ends.list;
-            }
-            let next = loop {
-                let Some(next) = heap.pop() else { return ends.list };
-                if next.cost - HOPE > ends.most() {
-                    return ends.list;
-                }
-                if seen.insert(next.step.key()) {
-                    break next;
-                }
-            };
-            cost = next.cost;
-            node = walked.len();
-            walked.push(next.step.take(&walked[next.from].0));
-        }
-    }
-
     /// Makes a change of the mesh as it is, and walks its vertices to their places.
     fn apply(&mut self, change: &Change, places: &[(u32, DVec3)]) {
         for &source in &change.copies {
@@ -459,64 +398,6 @@ impl Change {
         }
         self.places.iter().for_each(|&(v, place)| draft.place(moved(v, vertices, more[1]), place));
         draft
-    }
-}
-
-/// A step that the search can take.
-struct Reached {
-    cost: f64,
-    /// Where from, by the order in which drafts were reached.
-    from: usize,
-    step: Step,
-}
-
-impl Ord for Reached {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.cost.total_cmp(&self.cost).then(other.from.cmp(&self.from)).then(other.step.key().cmp(&self.step.key()))
-    }
-}
-
-impl PartialOrd for Reached {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Reached {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Reached {}
-
-/// A draft in which two triangles are no more.
-struct End<'a> {
-    kind: Kind,
-    draft: Draft<'a>,
-    cost: f64,
-}
-
-/// The cheapest of them, in order.
-struct Ends<'a> {
-    list: Vec<End<'a>>,
-}
-
-impl<'a> Ends<'a> {
-    /// What costs more is of no use.
-    fn most(&self) -> f64 {
-        self.list.get(SETTLED - 1).map_or(MOST, |end| end.cost)
-    }
-
-    fn extend(&mut self, kind: Kind, before: f64, drafts: impl IntoIterator<Item = (f64, Draft<'a>)>) {
-        for (cost, draft) in drafts {
-            let cost = before + cost;
-            if cost < self.most() && draft.is_sound() {
-                let place = self.list.partition_point(|end| end.cost <= cost);
-                self.list.insert(place, End { kind, draft, cost });
-                self.list.truncate(SETTLED);
-            }
-        }
     }
 }
 

@@ -37,6 +37,8 @@ const PINNED: u32 = 3;
 const FLAT: u32 = 20;
 /// Rings at most that are put about corners for one way.
 const RINGS: usize = 4;
+/// The least shape of the quad that two triangles beside each other become.
+const MEET_LEAST: f64 = 0.1;
 /// The least shape of a quad where faces along a way are taken out.
 const OUT_LEAST: f64 = 0.15;
 /// What it costs to leave over an open boundary: no triangle does while there is another to meet.
@@ -110,14 +112,14 @@ impl Work<'_> {
         })
     }
 
-    /// Makes a quad of two triangles beside each other, unless it would be concave.
+    /// Makes a quad of two triangles beside each other, unless it would have a straight corner or a reflex one.
     fn meet(&mut self, triangle: u32, [x, y]: [u32; 2], other: u32) -> bool {
         let draft = Draft::new(&self.scene);
         let corners = draft.face(triangle);
         let side = (0..3).find(|&k| corners[k] == x && corners[(k + 1) % 3] == y);
         let met = side.and_then(|side| Some(step::meet(&draft, triangle, side, other)?.1)).filter(Draft::is_sound);
         let Some((change, settled)) =
-            met.and_then(|met| Some((Change::of(&met), settle(&met, self.options.triangle_price, 0.0)?)))
+            met.and_then(|met| Some((Change::of(&met), settle(&met, self.options.triangle_price, MEET_LEAST)?)))
         else {
             return false;
         };
