@@ -113,7 +113,7 @@ fn continuous_rows_have_the_irregular_vertices_that_the_field_demands() {
 }
 
 #[test]
-fn creases_half_a_tile_apart_share_a_row() {
+fn rows_run_on_past_the_ends_of_creases_half_a_tile_apart() {
     // Two tiles' sides wide cells; creases of 4.5 and 3 tiles that overlap by 1.5.
     let soup = flat(48, 32, 0.5);
     // A plane is cut into equal triangles: what tells the creases is their names alone.
@@ -128,6 +128,7 @@ fn creases_half_a_tile_apart_share_a_row() {
         assert!(check(&outcome.mesh).is_clean());
         Quality::of(&outcome.mesh).irregular_vertices
     });
-    assert_eq!(irregular[0], 0);
-    assert!(irregular[1] > 0, "both creases and their ends hold tiles");
+    // Where a crease ends between two tiles a pair of irregular vertices may be left.
+    assert!(irregular[0] <= 2, "{irregular:?}");
+    assert!(irregular[1] > 2, "rows end at the ends of both creases: {irregular:?}");
 }

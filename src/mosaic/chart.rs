@@ -16,7 +16,7 @@ pub struct Chart {
     pub(crate) steps: Vec<[f64; 2]>,
     /// The same, in the frame of the sector at its end.
     pub(crate) at_ends: Vec<[f64; 2]>,
-    /// Whether a vertex of the surface lies on a feature.
+    /// Whether a vertex of the surface lies on a feature that rows follow.
     has_feature: Vec<bool>,
     /// Singularities inside triangles.
     pub(crate) cones: Vec<Spot>,
@@ -41,7 +41,7 @@ impl Chart {
             cone,
         });
         Self {
-            has_feature: has_feature(surface),
+            has_feature: has_feature(surface, phases),
             cones: cones.collect(),
             steps: half_edges.clone().map(|h| phases.step(h)).collect(),
             at_ends: half_edges.map(|h| phases.step_at_end(h)).collect(),
@@ -85,11 +85,11 @@ impl Chart {
     pub(crate) fn parts(&self, surface: &Surface, triangle: u32) -> Vec<Part> {
         let points = surface.corners(triangle as usize).map(|p| p.as_dvec3());
         let h = [0, 1, 2].map(|k| 3 * triangle + k);
-        let on_feature = h.map(|h| surface.features().is_feature(h));
         let has_feature = |k: usize| {
             let vertex = surface.origin(h[k % 3]);
             self.has_feature.get(vertex as usize).is_some_and(|&has_feature| has_feature)
         };
+        let on_feature = [0, 1, 2].map(|k| surface.features().is_feature(h[k]) && has_feature(k) && has_feature(k + 1));
         match self.cones.binary_search_by_key(&triangle, |spot| spot.cone.triangle) {
             Ok(i) => {
                 let Spot { cone, position, .. } = &self.cones[i];
@@ -124,10 +124,10 @@ impl Chart {
     }
 }
 
-fn has_feature(surface: &Surface) -> Vec<bool> {
+fn has_feature(surface: &Surface, phases: &Phases) -> Vec<bool> {
     let mut found = vec![false; surface.vertex_count()];
     for curve in surface.features().curves() {
-        curve.vertices.iter().for_each(|&v| found[v as usize] = true);
+        curve.vertices.iter().for_each(|&v| found[v as usize] = !phases.trimmed.contains(&v));
     }
     found
 }

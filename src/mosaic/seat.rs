@@ -38,6 +38,9 @@ pub struct Site {
 /// A place nearer to a vertex than this, in tile sides and as a share of its edge, is on the vertex.
 const SNAP: f64 = 1e-3;
 
+/// A place further out than a loose end of a feature by less than this, in tile sides, is on it.
+const AT_END: f64 = 5e-3;
+
 /// Quarter turns of a corner that no feature passes through: one more than there are, so that all directions lie inside.
 const ALL_ROUND: u32 = 5;
 
@@ -249,7 +252,7 @@ impl Seats {
         let begun = self.list.len() as u32;
         let (begin, end) = (marks[0].ceil() as i64, marks[marks.len() - 1].floor() as i64);
         let whole = match span {
-            Some([first, last]) => first.ceil() as i64..last.floor() as i64 + 1,
+            Some([first, last]) => (first - AT_END).ceil() as i64..(last + AT_END).floor() as i64 + 1,
             None if path.closed => begin..begin + intervals(marks) as i64,
             None => begin + 1..end,
         };
