@@ -41,7 +41,7 @@
 //! | | m6_gen | fish_blub | fandisk | anchor | spot | holes_cgal |
 //! |---|---|---|---|---|---|---|
 //! | without all this | 0.20 | 1.66 | 1.04 | 2.78 | 1.45 | 0.58 |
-//! | with it | 0.05 | 0.56 | 0.70 | 2.90 | 0.91 | 0.40 |
+//! | with it | 0.05 | 0.56 | 0.83 | 2.83 | 0.91 | 0.40 |
 //! | demanded | 0.05 | 0.56 | 0.57 | 0.82 | 0.99 | 0.47 |
 //!
 //! Tried: moving row ends once more where the strain of the solved coordinates says so (negative cycles over the triangles)
