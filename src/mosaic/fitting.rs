@@ -42,7 +42,7 @@ pub fn fitting(surface: &Surface, field: &Field, range: f64, backend: &dyn Backe
     Ok(logs)
 }
 
-/// Lowers sides on features so that no chord misses its feature by more than [`MISS`] of the mean side, `side`.
+/// Lowers sides on features so that no chord misses its feature by more than a tenth of the mean side, `side`.
 pub fn bounded(surface: &Surface, side: f64, relative: &mut [f32]) {
     for curve in surface.features().curves() {
         let mut points: Vec<DVec3> = curve.vertices.iter().map(|&v| surface.points[v as usize].as_dvec3()).collect();
