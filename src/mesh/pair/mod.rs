@@ -39,10 +39,12 @@ mod rows;
 mod search;
 mod settle;
 mod step;
+mod upright;
 mod ways;
 
 use super::clean::Anchors;
 use super::edit::Editor;
+use super::facing::Facing;
 use super::{Mesh, Metric};
 use crate::surface::{Footing, Surface, WALK_EDGES, walk};
 use draft::{Draft, Scene};
@@ -160,6 +162,7 @@ pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u
     }
     work.regularity = work.regularity.max(options.regularity);
     work.run(Work::is_poor, Work::better, &mut counts);
+    work.set_upright(&mut counts);
     counts.dissolved = work.dissolve();
     counts.triangles_after = work.faces(Work::is_triangle).len();
     let Work { scene, below, .. } = work;
@@ -192,6 +195,8 @@ struct Work<'a> {
     regularity: f64,
     /// Half-edges of the surface's boundary where other sheets meet it.
     seams: FxHashSet<u32>,
+    /// What tells faces that look away from the surface, while those are what changes are made for.
+    facing: Option<Facing<'a>>,
 }
 
 /// Rounds at most; each leaves those for the next whose surroundings another has changed.
@@ -221,7 +226,7 @@ impl<'a> Work<'a> {
             scene.ideal[v as usize] = ideal_valence(&scene, v);
         }
         let seams = FxHashSet::default();
-        Self { surface, scene, below: below.to_vec(), options: *options, drift: options.excess, regularity: 0.0, seams }
+        Self { surface, scene, below: below.to_vec(), options: *options, drift: options.excess, regularity: 0.0, seams, facing: None }
     }
 
     fn is_triangle(&self, face: u32) -> bool {
@@ -304,6 +309,9 @@ impl<'a> Work<'a> {
     /// What a draft is worth, regularity counted.
     fn settled(&self, draft: &Draft) -> Option<Settled> {
         let settled = settle(draft, self.options.triangle_price, self.options.least_shape)?;
+        if let Some(facing) = &self.facing {
+            return Some(Settled { gain: settled.gain + self.relief(facing, draft, &settled)?, ..settled });
+        }
         if self.regularity == 0.0 {
             return Some(settled);
         }

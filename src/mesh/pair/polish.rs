@@ -89,7 +89,7 @@ fn dissolved<'a>(draft: &Draft<'a>, v: u32) -> Option<(Draft<'a>, usize)> {
 }
 
 /// The drafts in which a triangle and the face beyond one of its sides are cut in another way.
-fn recut<'a>(draft: &Draft<'a>, triangle: u32, side: usize) -> Vec<Draft<'a>> {
+pub(super) fn recut<'a>(draft: &Draft<'a>, triangle: u32, side: usize) -> Vec<Draft<'a>> {
     let corners = draft.face(triangle);
     let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
     let Some(other) = draft.across(x, y) else { return Vec::new() };
@@ -108,7 +108,7 @@ fn recut<'a>(draft: &Draft<'a>, triangle: u32, side: usize) -> Vec<Draft<'a>> {
 }
 
 /// The drafts in which the edge between a quad and that beyond one of its sides is another diagonal of their hexagon.
-fn turned<'a>(draft: &Draft<'a>, face: u32, side: usize) -> Vec<Draft<'a>> {
+pub(super) fn turned<'a>(draft: &Draft<'a>, face: u32, side: usize) -> Vec<Draft<'a>> {
     let corners = draft.face(face);
     let [x, y, p, q] = [0, 1, 2, 3].map(|k| corners[(side + k) % 4]);
     let Some(other) = draft.across(x, y).filter(|&other| draft.face(other).len() == 4) else { return Vec::new() };
@@ -127,7 +127,7 @@ fn turned<'a>(draft: &Draft<'a>, face: u32, side: usize) -> Vec<Draft<'a>> {
 }
 
 /// The draft in which two opposite corners of a quad are one.
-fn merged<'a>(draft: &Draft<'a>, face: u32, corner: usize) -> Option<Draft<'a>> {
+pub(super) fn merged<'a>(draft: &Draft<'a>, face: u32, corner: usize) -> Option<Draft<'a>> {
     let corners = draft.face(face);
     let [a, b] = [corners[corner], corners[corner + 2]];
     let (stays, goes) = match (draft.is_fixed(a), draft.is_fixed(b)) {
