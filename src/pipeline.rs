@@ -11,6 +11,7 @@ use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
 use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::join::{Joined, join};
+use crate::mesh::pair::upright::upright;
 use crate::mesh::pair::{PairCounts, PairOptions, Paired, Quads, pair};
 use crate::mesh::regions::with_regions;
 use crate::mesh::smooth::{Smoothed, smooth_in};
@@ -267,7 +268,7 @@ fn meshed(
     let below = triangulation.free_triangles(&kept);
 
     clock.begin(Stage::Pair);
-    let (quads, below, kept, metric, pairs) = match &options.pairing {
+    let (quads, below, kept, features, metric, pairs) = match &options.pairing {
         Some(pairing) => {
             // Drafts are judged by what smoothing makes of them, so what they are compared with is smoothed too.
             let anchors = anchors.of(&kept);
@@ -280,21 +281,30 @@ fn meshed(
                 Rows::Paper => pairing.regularity,
                 Rows::Continuous => pairing.regularity.max(REGULARITY),
             };
-            let Paired { mesh, kept: of_cleaned, below, metric, counts } =
+            let Paired { mesh, kept: of_cleaned, below, features, metric, counts } =
                 pair(surface, &calm.mesh, &anchors, &calm.below, &PairOptions { excess, regularity, ..*pairing });
             let kept = of_cleaned.iter().map(|&v| kept.get(v as usize).copied().unwrap_or(NONE)).collect();
-            (mesh, below, kept, metric, Some(counts))
+            (mesh, below, kept, features, metric, Some(counts))
         }
         None => {
-            let metric = Metric::new(&anchors.of(&kept));
-            (cleaned, below, kept, metric, None)
+            let anchors = anchors.of(&kept);
+            let metric = Metric::new(&anchors);
+            (cleaned, below, kept, anchors.feature_edges, metric, None)
         }
     };
 
     clock.begin(Stage::Smooth);
     let smoothed = smooth_in(&metric, surface, &quads, &below, options.smoothing);
-    let Smoothed { mesh: smoothed, below } =
+    let mut smoothed =
         if options.smoothing > 0 { touch_up(&metric, surface, &unfold(&metric, surface, &smoothed)) } else { smoothed };
+    let mut kept = kept;
+    if let Some(pairing) = &options.pairing
+        && let Some(uprighted) = upright(&metric, surface, &smoothed, &features, pairing)
+    {
+        kept = uprighted.kept.iter().map(|&v| kept[v as usize]).collect();
+        smoothed = uprighted.smoothed;
+    }
+    let Smoothed { mesh: smoothed, below } = smoothed;
     let all_quads = options.pairing.is_some_and(|pairing| pairing.quads == Quads::All);
     let smoothed = if all_quads { smoothed } else { split_folded(smoothed) };
     let before = join(&filled, &triangulation.same_place).mesh;

@@ -14,6 +14,7 @@
 //! vertices alone finds no better place.
 
 use super::curves::Curves;
+use super::facing::Facing;
 use super::metric::laid;
 use super::quality::{quad_shape, scaled_jacobian, triangle_shape};
 use super::smooth::{Incidence, Smoothed};
@@ -33,6 +34,8 @@ const FOLDED: f64 = 0.2;
 const STRIDES: [f64; 4] = [0.4, 0.2, 0.08, 0.03];
 /// Directions that it tries.
 const DIRECTIONS: u32 = 8;
+/// The measure of a face that looks away from the surface nearest to its middle, but not from that below its corners.
+const AWAY: f64 = 0.2;
 /// A move must make the faces so much better, in squared measures.
 const GAIN: f64 = 1e-4;
 
@@ -41,7 +44,8 @@ pub fn unfold(metric: &Metric, surface: &Surface, smoothed: &Smoothed) -> Smooth
     let Smoothed { mesh, below } = smoothed.clone();
     let incidence = Incidence::new(&mesh);
     let mean_edge = mean_edge(&mesh);
-    let mut work = Work { metric, surface, mesh, below, incidence, mean_edge, curves: None };
+    let facing = Facing::new(surface);
+    let mut work = Work { metric, surface, facing, mesh, below, incidence, mean_edge, curves: None };
     for _ in 0..ROUNDS {
         let mut moved = false;
         for v in work.poor() {
@@ -109,6 +113,7 @@ fn mean_edge(mesh: &Mesh) -> f64 {
 struct Work<'a> {
     metric: &'a Metric,
     surface: &'a Surface,
+    facing: Facing<'a>,
     mesh: Mesh,
     below: Vec<Option<u32>>,
     incidence: Incidence,
@@ -209,13 +214,18 @@ impl Work<'_> {
             [a, b, c, d] => scaled_jacobian([a, b, c, d]).min(quad_shape([a, b, c, d].map(shown))),
             _ => return 1.0,
         };
-        let normals =
-            corners.iter().filter_map(|&v| Some(self.surface.normal(self.below[v as usize]? as usize).as_dvec3()));
+        let normal = |v: u32| Some(self.surface.normal(self.below[v as usize]? as usize).as_dvec3());
         let across = if count == 4 { at(3) - at(1) } else { at(2) - at(1) };
         let own = (at(2) - at(0)).cross(across);
-        let up = normals.sum::<DVec3>().try_normalize().unwrap_or(own.normalize_or_zero());
+        let up: DVec3 = corners.iter().filter_map(|&v| normal(v)).sum();
+        let up = up.try_normalize().unwrap_or(own.normalize_or_zero());
         let areas = (0..count).map(|k| (at(k + 1) - at(k)).cross(at(k + count - 1) - at(k)).dot(up));
         let least = areas.fold(f64::INFINITY, f64::min);
-        if least < 0.0 { least / self.mean_edge.powi(2) } else { value }
+        if least < 0.0 {
+            return least / self.mean_edge.powi(2);
+        }
+        let places: Vec<DVec3> = places.into_iter().map(DVec3::from).collect();
+        let is_away = self.facing.looks_away(&places, corners.iter().map(|&v| normal(v).unwrap_or(DVec3::ZERO)));
+        if is_away { -AWAY } else { value }
     }
 }

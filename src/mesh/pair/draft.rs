@@ -1,6 +1,6 @@
 //! A change of a mesh that is thought through before it is made: a few faces and places laid over the mesh as it is.
 
-use crate::mesh::Metric;
+use crate::mesh::{Mesh, Metric};
 use crate::mesh::edit::Editor;
 use glam::DVec3;
 use rustc_hash::FxHashSet;
@@ -20,6 +20,24 @@ pub(super) struct Scene {
 }
 
 impl Scene {
+    /// Every vertex that may move should have four faces; those of the others are told later.
+    pub(super) fn new(
+        mesh: &Mesh,
+        normals: Vec<DVec3>,
+        below: &[Option<u32>],
+        features: &[[u32; 2]],
+        metric: Metric,
+    ) -> Self {
+        Self {
+            editor: Editor::new(mesh),
+            normals,
+            ideal: vec![4; mesh.points.len()],
+            fixed: below.iter().map(Option::is_none).collect(),
+            features: features.iter().copied().collect(),
+            metric,
+        }
+    }
+
     pub(super) fn is_feature(&self, a: u32, b: u32) -> bool {
         let on = |v: u32| self.fixed.get(v as usize) == Some(&true);
         on(a) && on(b) && self.features.contains(&[a.min(b), a.max(b)])
@@ -216,7 +234,9 @@ impl<'a> Draft<'a> {
                 match (next.next(), next.next()) {
                     (_, Some(_)) => return false,
                     (None, _) => return count == spokes.len(),
-                    (Some(&spoke), None) if spoke == first => return count == spokes.len() && count > 2,
+                    (Some(&spoke), None) if spoke == first => {
+                        return count == spokes.len() && count > if self.is_fixed(vertex) { 1 } else { 2 };
+                    }
                     (Some(&spoke), None) => at = spoke,
                 }
             }

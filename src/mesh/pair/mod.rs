@@ -39,11 +39,10 @@ mod rows;
 mod search;
 mod settle;
 mod step;
-mod upright;
+pub mod upright;
 mod ways;
 
 use super::clean::Anchors;
-use super::edit::Editor;
 use super::facing::Facing;
 use super::{Mesh, Metric};
 use crate::surface::{Footing, Surface, WALK_EDGES, walk};
@@ -137,6 +136,8 @@ pub struct Paired {
     pub kept: Vec<u32>,
     /// The triangle of the surface below each vertex that may move.
     pub below: Vec<Option<u32>>,
+    /// Edges on features, the smaller id first, sorted.
+    pub features: Vec<[u32; 2]>,
     /// What shapes are measured in.
     pub metric: Metric,
     /// What was done.
@@ -162,17 +163,20 @@ pub fn pair(surface: &Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u
     }
     work.regularity = work.regularity.max(options.regularity);
     work.run(Work::is_poor, Work::better, &mut counts);
-    work.set_upright(&mut counts);
     counts.dissolved = work.dissolve();
     counts.triangles_after = work.faces(Work::is_triangle).len();
     let Work { scene, below, .. } = work;
-    let Scene { editor, metric, .. } = scene;
+    let Scene { editor, metric, features, .. } = scene;
     let (mesh, kept) = editor.finish();
     let metric = metric.of(&kept);
     let below = kept.iter().map(|&v| below[v as usize]).collect();
+    let number = |v: u32| kept.binary_search(&v).ok().map(|place| place as u32);
+    let mut features: Vec<[u32; 2]> =
+        features.into_iter().filter_map(|[a, b]| Some([number(a)?, number(b)?])).collect();
+    features.sort_unstable();
     let known = anchors.fixed.len() as u32;
     let kept = kept.into_iter().map(|v| if v < known { v } else { u32::MAX }).collect();
-    Paired { mesh, kept, below, metric, counts }
+    Paired { mesh, kept, below, features, metric, counts }
 }
 
 #[derive(Clone, Copy)]
@@ -214,19 +218,25 @@ const LEAST_GAIN: f64 = 1e-3;
 
 impl<'a> Work<'a> {
     fn new(surface: &'a Surface, mesh: &Mesh, anchors: &Anchors, below: &[Option<u32>], options: &PairOptions) -> Self {
-        let mut scene = Scene {
-            editor: Editor::new(mesh),
-            normals: anchors.normals.iter().map(|n| Vec3::from(*n).as_dvec3()).collect(),
-            ideal: vec![4; mesh.points.len()],
-            fixed: below.iter().map(Option::is_none).collect(),
-            features: anchors.feature_edges.iter().copied().collect(),
-            metric: Metric::new(anchors),
-        };
+        let normals = anchors.normals.iter().map(|n| Vec3::from(*n).as_dvec3()).collect();
+        let scene = Scene::new(mesh, normals, below, &anchors.feature_edges, Metric::new(anchors));
+        Self::on(surface, scene, below, options)
+    }
+
+    fn on(surface: &'a Surface, mut scene: Scene, below: &[Option<u32>], options: &PairOptions) -> Self {
         for v in (0..).zip(&scene.fixed).filter(|(_, fixed)| **fixed).map(|(v, _)| v).collect::<Vec<u32>>() {
             scene.ideal[v as usize] = ideal_valence(&scene, v);
         }
-        let seams = FxHashSet::default();
-        Self { surface, scene, below: below.to_vec(), options: *options, drift: options.excess, regularity: 0.0, seams, facing: None }
+        Self {
+            surface,
+            scene,
+            below: below.to_vec(),
+            options: *options,
+            drift: options.excess,
+            regularity: 0.0,
+            seams: FxHashSet::default(),
+            facing: None,
+        }
     }
 
     fn is_triangle(&self, face: u32) -> bool {

@@ -6,56 +6,72 @@
 //! one of its edges shrinks, or two of its corners meet; of what results the shapes decide among those in which fewer faces
 //! look away.
 
-use super::draft::Draft;
+use super::draft::{Draft, Scene};
 use super::polish::{merged, recut, turned};
-use super::settle::Settled;
-use super::{Found, Kind, PairCounts, Quads, Work, step};
+use super::settle::{Settled, quality};
+use super::{Found, Kind, PairCounts, PairOptions, Quads, Work, step};
+use crate::mesh::Metric;
 use crate::mesh::facing::Facing;
+use crate::mesh::smooth::Smoothed;
+use crate::surface::Surface;
 use glam::DVec3;
 
 /// What a face less that looks away is worth, in perfect quads.
 const WORTH: f64 = 4.0;
+/// A quad of a smaller shape has a straight corner.
+const FLAT: f64 = 0.05;
+
+/// A mesh in which fewer faces look away or have straight corners.
+pub struct Uprighted {
+    /// The mesh, on its surface.
+    pub smoothed: Smoothed,
+    /// For each vertex its id in the old mesh.
+    pub kept: Vec<u32>,
+}
+
+/// Makes the best change about each face that looks away from the surface or has a straight corner, whatever that costs in
+/// shape; `None` where there is none, or nothing helps. `features` are the edges that stay, the smaller id first.
+pub fn upright(
+    metric: &Metric,
+    surface: &Surface,
+    smoothed: &Smoothed,
+    features: &[[u32; 2]],
+    options: &PairOptions,
+) -> Option<Uprighted> {
+    let Smoothed { mesh, below } = smoothed;
+    let normal = |below: &Option<u32>| below.map_or(DVec3::ZERO, |t| surface.normal(t as usize).as_dvec3());
+    let scene = Scene::new(mesh, below.iter().map(normal).collect(), below, features, metric.clone());
+    let mut work = Work::on(surface, scene, below, &PairOptions { least_shape: 0.0, ..*options });
+    work.facing = Some(Facing::new(surface));
+    let before = work.faces(Work::is_upset).len();
+    work.run(Work::is_upset, Work::upright, &mut PairCounts::default());
+    if work.faces(Work::is_upset).len() >= before {
+        return None;
+    }
+    let Work { scene, below, .. } = work;
+    let (mesh, kept) = scene.editor.finish();
+    let below = kept.iter().map(|&v| below[v as usize]).collect();
+    Some(Uprighted { smoothed: Smoothed { mesh, below }, kept })
+}
 
 impl Work<'_> {
-    /// Makes the best change about each face that looks away, whatever that costs in shape; none gets concave.
-    pub(super) fn set_upright(&mut self, counts: &mut PairCounts) {
-        self.options.least_shape = 0.0;
-        self.facing = Some(Facing::new(self.surface));
-        self.run(Self::is_upset, Self::upright, counts);
-        self.facing = None;
-    }
-
     /// Whether a face looks away from the surface.
     fn is_upset(&self, face: u32) -> bool {
         let draft = Draft::new(&self.scene);
         self.facing.as_ref().is_some_and(|facing| self.is_away(facing, &draft, face, |v| draft.point(v)))
     }
 
-    /// The best that can be done about a face that looks away, if anything is.
+    /// The best that can be done about a face that looks away, if anything is: by one change of faces, else by two.
     fn upright(&self, face: u32) -> Option<Found> {
-        let draft = Draft::new(&self.scene);
-        let corners = draft.face(face);
-        let count = corners.len();
-        let mut drafts: Vec<(Kind, Draft)> = Vec::new();
-        for side in 0..count {
-            let [a, b] = [corners[side], corners[(side + 1) % count]];
-            drafts.extend(shrunk(&draft, a, b).map(|draft| (Kind::Merged, draft)));
-            let Some(other) = draft.across(a, b) else { continue };
-            let beyond = draft.face(other);
-            let cut = match (count, beyond.len()) {
-                (3, _) => recut(&draft, face, side),
-                (_, 3) => beyond.iter().position(|&v| v == b).map_or(Vec::new(), |at| recut(&draft, other, at)),
-                _ => turned(&draft, face, side),
-            };
-            drafts.extend(cut.into_iter().map(|draft| (Kind::Turned, draft)));
-            if count == 3 && beyond.len() == 3 {
-                drafts.extend(step::meet(&draft, face, side, other).map(|(_, draft)| (Kind::Met, draft)));
-            }
-        }
-        if count == 4 {
-            drafts.extend((0..2).filter_map(|k| merged(&draft, face, k)).map(|draft| (Kind::Merged, draft)));
-        }
-        self.best_of(face, drafts.into_iter().filter(|(_, draft)| self.may_be(draft)))
+        let once = changed(&Draft::new(&self.scene), face);
+        let found = self.best_of(face, once.iter().filter(|(_, draft)| self.may_be(draft)).cloned());
+        found.or_else(|| {
+            let twice = once.iter().flat_map(|(_, draft)| {
+                let faces = draft.changed().filter(|(_, corners)| !corners.is_empty()).map(|(face, _)| face);
+                faces.flat_map(|face| changed(draft, face)).collect::<Vec<_>>()
+            });
+            self.best_of(face, twice.filter(|(_, draft)| self.may_be(draft)))
+        })
     }
 
     /// Where all faces are to be quads no triangle may come.
@@ -82,8 +98,35 @@ impl Work<'_> {
     fn is_away(&self, facing: &Facing, draft: &Draft, face: u32, place: impl Fn(u32) -> DVec3) -> bool {
         let corners = draft.face(face);
         let places: Vec<DVec3> = corners.iter().map(|&v| place(v)).collect();
-        !corners.is_empty() && facing.looks_away(&places, corners.iter().map(|&v| draft.normal(v)))
+        !corners.is_empty()
+            && (quality(&places) < FLAT || facing.looks_away(&places, corners.iter().map(|&v| draft.normal(v))))
     }
+}
+
+/// The drafts in which a face is cut anew together with one beside it, or two of its corners are one.
+fn changed<'a>(draft: &Draft<'a>, face: u32) -> Vec<(Kind, Draft<'a>)> {
+    let corners = draft.face(face);
+    let count = corners.len();
+    let mut drafts: Vec<(Kind, Draft)> = Vec::new();
+    for side in 0..count {
+        let [a, b] = [corners[side], corners[(side + 1) % count]];
+        drafts.extend(shrunk(draft, a, b).map(|draft| (Kind::Merged, draft)));
+        let Some(other) = draft.across(a, b) else { continue };
+        let beyond = draft.face(other);
+        let cut = match (count, beyond.len()) {
+            (3, _) => recut(draft, face, side),
+            (_, 3) => beyond.iter().position(|&v| v == b).map_or(Vec::new(), |at| recut(draft, other, at)),
+            _ => turned(draft, face, side),
+        };
+        drafts.extend(cut.into_iter().map(|draft| (Kind::Turned, draft)));
+        if count == 3 && beyond.len() == 3 {
+            drafts.extend(step::meet(draft, face, side, other).map(|(_, draft)| (Kind::Met, draft)));
+        }
+    }
+    if count == 4 {
+        drafts.extend((0..2).filter_map(|k| merged(draft, face, k)).map(|draft| (Kind::Merged, draft)));
+    }
+    drafts
 }
 
 /// The draft in which the ends of an edge are one; `None` where both are on features.
