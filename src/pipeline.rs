@@ -268,7 +268,7 @@ fn meshed(
     let below = triangulation.free_triangles(&kept);
 
     clock.begin(Stage::Pair);
-    let (quads, below, kept, features, metric, pairs) = match &options.pairing {
+    let (quads, below, mut kept, features, metric, mut pairs) = match &options.pairing {
         Some(pairing) => {
             // Drafts are judged by what smoothing makes of them, so what they are compared with is smoothed too.
             let anchors = anchors.of(&kept);
@@ -297,11 +297,11 @@ fn meshed(
     let smoothed = smooth_in(&metric, surface, &quads, &below, options.smoothing);
     let mut smoothed =
         if options.smoothing > 0 { touch_up(&metric, surface, &unfold(&metric, surface, &smoothed)) } else { smoothed };
-    let mut kept = kept;
-    if let Some(pairing) = &options.pairing
+    if let (Some(pairing), Some(counts)) = (&options.pairing, &mut pairs)
         && let Some(uprighted) = upright(&metric, surface, &smoothed, &features, pairing)
     {
         kept = uprighted.kept.iter().map(|&v| kept[v as usize]).collect();
+        counts.set_upright = uprighted.count;
         smoothed = uprighted.smoothed;
     }
     let Smoothed { mesh: smoothed, below } = smoothed;

@@ -32,3 +32,34 @@ impl<'a> Facing<'a> {
         self.surface.normal(grid.nearest(middle).0 as usize).as_dvec3().dot(area) < 0.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{FeatureOptions, Soup};
+
+    /// Two squares of side 1, the lower one looking down, the upper one up, so far apart.
+    fn sheets(apart: f64) -> Surface {
+        let square = |z: f64| [[0.0, 0.0, z], [1.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]];
+        let points = [square(0.0), square(apart)].concat();
+        let triangles = vec![[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]];
+        Surface::new(&Soup { points, triangles, ..Soup::default() }, &FeatureOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn the_sheet_nearest_to_the_middle_decides_unless_all_corners_agree() {
+        let surface = sheets(0.1);
+        let facing = Facing::new(&surface);
+        let at = |[x, y, z]: [f64; 3]| DVec3::from(surface.frame().to_unit([x, y, z]));
+        // Counter-clockwise from above, two corners on the upper sheet and one on the lower.
+        let up = [at([0.4, 0.4, 0.1]), at([0.6, 0.4, 0.1]), at([0.5, 0.6, 0.0])];
+        let down = [up[0], up[2], up[1]];
+        let unknown = || [DVec3::ZERO; 3].into_iter();
+        assert!(!facing.looks_away(&up, unknown()));
+        assert!(facing.looks_away(&down, unknown()));
+        let low = down.map(|corner| corner - DVec3::Z * (at([0.0, 0.0, 0.1]) - at([0.0; 3])).z * 0.5);
+        assert!(!facing.looks_away(&low, unknown()), "the lower sheet is nearer");
+        assert!(!facing.looks_away(&down, [-DVec3::Z; 3].into_iter()), "all corners lie on the lower sheet");
+        assert!(facing.looks_away(&down, [-DVec3::Z, -DVec3::Z, DVec3::Z].into_iter()));
+    }
+}

@@ -1,7 +1,7 @@
 //! A change of a mesh that is thought through before it is made: a few faces and places laid over the mesh as it is.
 
-use crate::mesh::{Mesh, Metric};
 use crate::mesh::edit::Editor;
+use crate::mesh::{Mesh, Metric};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 

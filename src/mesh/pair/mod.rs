@@ -122,9 +122,11 @@ pub struct PairCounts {
     pub on_boundaries: usize,
     /// Vertices added on other features, for the same.
     pub on_features: usize,
+    /// Faces that looked away from the surface, or had a straight corner, and do no more.
+    pub set_upright: usize,
     /// Triangles before.
     pub triangles_before: usize,
-    /// Triangles after.
+    /// Triangles after the pairing.
     pub triangles_after: usize,
 }
 
