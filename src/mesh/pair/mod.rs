@@ -20,7 +20,8 @@
 //! after, Qg 0.952, irregular vertices 2.3 %; with [`Quads::All`] Qr 1, Qg 0.937, 2.9 %. At 60,000 points m6_gen, spot and
 //! fandisk have Qr 0.997, 0.993 and 0.996, and Qg 0.984, 0.969 and 0.977.
 //!
-//! The price of a triangle weighs Qr against Qg: 1, 0.7 and 0.5 gave anchor 0.994, 0.991 and 0.987 against 0.954, 0.956 and 0.957.
+//! The price of a triangle weighs Qr against Qg: 0.5, 0.7 and 0.8 gave plane Qr 0.968, 0.973 and 0.975, and Qg 0.915, 0.913 and
+//! 0.912; 0.5, 0.7 and 1 gave anchor 0.987, 0.991 and 0.994, and 0.957, 0.956 and 0.954.
 //! 326 triangles of m6_gen at 60,000 points take 0.2 s on two cores, most of it to settle drafts.
 //!
 //! Tried on m6_gen, fish_blub, anchor and plane (mean Qr, Qg) before vertices were touched up: a price of 0.5 gave 0.980, 0.949,
@@ -70,7 +71,7 @@ pub enum Quads {
 pub struct PairOptions {
     /// Which triangles are to become quads. Default [`Quads::Most`].
     pub quads: Quads,
-    /// How much of the sum of shapes a triangle less may cost, in perfect quads. Default 0.7; 0 asks for better shape.
+    /// How much of the sum of shapes a triangle less may cost, in perfect quads. Default 0.8; 0 asks for better shape.
     pub triangle_price: f64,
     /// No quad gets a smaller shape (Qg) than this unless one about it had. Default 0.4; 0 still refuses concave quads.
     pub least_shape: f64,
@@ -89,7 +90,7 @@ impl Default for PairOptions {
     fn default() -> Self {
         Self {
             quads: Quads::default(),
-            triangle_price: 0.7,
+            triangle_price: 0.8,
             least_shape: 0.4,
             longest_row: 8,
             drafts: 10,
