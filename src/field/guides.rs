@@ -10,7 +10,7 @@
 //! for 3, 98 % for 10.
 
 use super::{Complex, Sectors};
-use crate::surface::nearest::{TriangleGrid, nearest_on_segment};
+use crate::surface::nearest::{Triangles, nearest_on_segment};
 use crate::surface::{Surface, next, previous};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -231,9 +231,9 @@ pub(crate) fn grips(surface: &Surface, sectors: &Sectors, guides: &[Guide]) -> (
     if guides.is_empty() {
         return (Vec::new(), Vec::new());
     }
-    let grid = TriangleGrid::new(surface);
+    let triangles = Triangles::new(surface);
     let (grips, reports): (Vec<_>, Vec<_>) =
-        guides.par_iter().map(|guide| Reach::new(&grid, surface, sectors, guide).grip(guide)).unzip();
+        guides.par_iter().map(|guide| Reach::new(&triangles, surface, sectors, guide).grip(guide)).unzip();
     (grips.concat(), reports)
 }
 
@@ -274,13 +274,13 @@ struct Reach<'a> {
 }
 
 impl<'a> Reach<'a> {
-    fn new(grid: &TriangleGrid, surface: &'a Surface, sectors: &'a Sectors, guide: &Guide) -> Self {
+    fn new(triangles: &Triangles, surface: &'a Surface, sectors: &'a Sectors, guide: &Guide) -> Self {
         let radius = guide.radius / surface.frame().diagonal;
         let limit = if radius > 0.0 { radius } else { TOLERANCE };
         let parts = parts(surface, &guide.trace);
         let reached = BTreeMap::new();
         let mut reach = Self { surface, sectors, parts, reached, limit, places: 0, far: 0, farthest: 0.0 };
-        let beneath = (0..reach.parts.len()).flat_map(|part| reach.along(grid, part)).collect();
+        let beneath = (0..reach.parts.len()).flat_map(|part| reach.along(triangles, part)).collect();
         if radius > 0.0 {
             reach.spread(radius, beneath);
         }
@@ -289,14 +289,14 @@ impl<'a> Reach<'a> {
 
     /// Reaches the corners of the triangles nearest to a part, looked for in steps of half a triangle; returns these,
     /// with the part.
-    fn along(&mut self, grid: &TriangleGrid, part: usize) -> Vec<(u32, usize)> {
+    fn along(&mut self, triangles: &Triangles, part: usize) -> Vec<(u32, usize)> {
         let Part { start, end, .. } = self.parts[part];
         let way = end - start;
         let mut at = 0.0;
         let mut beneath = Vec::new();
         loop {
             let place = start + way * at;
-            let (triangle, distance) = grid.nearest(place);
+            let (triangle, distance) = triangles.nearest(place);
             self.places += 1;
             self.farthest = self.farthest.max(distance);
             if distance > self.limit {

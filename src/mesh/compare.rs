@@ -26,9 +26,9 @@
 
 use super::check::{Fault, Faults, Kind, check, check_joined, sort};
 use super::quality::percentile;
-use super::simplices::Simplices;
 use super::topology::Connections;
 use super::{Mesh, Topology};
+use crate::surface::nearest::{Simplex, Simplices};
 use crate::surface::{Frame, Surface};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -298,7 +298,10 @@ impl Comparand {
             let middle = self.mesh.middle(corners);
             let (distance, nearest) = ground.triangles.nearest(middle)?;
             let normal = self.normal(corners);
-            let away = |[a, b, c]: [DVec3; 3]| normal.dot((b - a).cross(c - a)) < 0.0;
+            let away = |triangle: &Simplex<3>| {
+                let [a, b, c] = triangle.corners;
+                normal.dot((b - a).cross(c - a)) < 0.0
+            };
             // Beside a sharp edge both of its sides may be nearest.
             let flipped = away(nearest) && ground.triangles.within(middle, distance + EQUALLY_NEAR).all(away);
             Some((middle, distance / self.mean_edge, flipped.then_some(face)))

@@ -1,7 +1,7 @@
 //! Whether a face looks away from the surface that it stands for.
 
 use crate::surface::Surface;
-use crate::surface::nearest::TriangleGrid;
+use crate::surface::nearest::Triangles;
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -11,12 +11,12 @@ const PLAIN: f64 = 0.5;
 /// The surface, its triangles sorted once one is asked for.
 pub(super) struct Facing<'a> {
     surface: &'a Surface,
-    grid: OnceLock<TriangleGrid<'a>>,
+    triangles: OnceLock<Triangles>,
 }
 
 impl<'a> Facing<'a> {
     pub(super) fn new(surface: &'a Surface) -> Self {
-        Self { surface, grid: OnceLock::new() }
+        Self { surface, triangles: OnceLock::new() }
     }
 
     /// Whether a face with these corners looks away from the triangle nearest to its middle; `normals` are the surface's at
@@ -28,8 +28,8 @@ impl<'a> Facing<'a> {
         if normals.all(|normal| normal.dot(area) > PLAIN * area.length()) {
             return false;
         }
-        let grid = self.grid.get_or_init(|| TriangleGrid::new(self.surface));
-        self.surface.normal(grid.nearest(middle).0 as usize).as_dvec3().dot(area) < 0.0
+        let triangles = self.triangles.get_or_init(|| Triangles::new(self.surface));
+        self.surface.normal(triangles.nearest(middle).0 as usize).as_dvec3().dot(area) < 0.0
     }
 }
 

@@ -16,7 +16,6 @@ pub mod pair;
 pub mod quality;
 mod read;
 pub mod regions;
-mod simplices;
 pub mod smooth;
 mod topology;
 pub mod touch_up;

@@ -2,7 +2,7 @@
 
 use super::Mesh;
 use crate::mosaic::Mosaic;
-use crate::surface::nearest::TriangleGrid;
+use crate::surface::nearest::Triangles;
 use crate::surface::{Regions, Surface};
 use glam::DVec3;
 
@@ -17,7 +17,7 @@ pub fn with_regions(mesh: &Mesh, surface: &Surface, mosaic: &Mosaic, below: &[Op
     if regions.of_face.is_empty() {
         return mesh.clone();
     }
-    let grid = TriangleGrid::new(surface);
+    let triangles = Triangles::new(surface);
     let of = |triangle: u32| regions.of_face[triangle as usize];
     let touched = |v: u32| -> Vec<u32> {
         let site = kept[v as usize] as usize;
@@ -30,7 +30,7 @@ pub fn with_regions(mesh: &Mesh, surface: &Surface, mosaic: &Mosaic, below: &[Op
             return of(triangle);
         }
         let middle = face.iter().map(|&v| DVec3::from(mesh.points[v as usize])).sum::<DVec3>() / face.len() as f64;
-        let nearest = of(grid.nearest(middle).0);
+        let nearest = of(triangles.nearest(middle).0);
         let sets: Vec<Vec<u32>> = face.iter().map(|&v| touched(v)).filter(|set| !set.is_empty()).collect();
         let common = |region: &u32| sets.iter().all(|set| set.contains(region));
         if common(&nearest) {

@@ -1,105 +1,93 @@
-//! The triangle nearest to a point: a uniform grid of the triangles' boxes.
+//! What is nearest to a point: segments or triangles in a tree of their boxes.
 
 use super::Surface;
 use glam::DVec3;
+use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
-/// Most cells along an axis.
-const MOST_CELLS: f64 = 128.0;
-
-/// The triangles of a surface by the cells of a cubic grid that their boxes touch.
-pub(crate) struct TriangleGrid<'a> {
-    surface: &'a Surface,
-    low: DVec3,
-    cell: f64,
-    cells: [usize; 3],
-    starts: Vec<u32>,
-    triangles: Vec<u32>,
+/// A segment or a triangle.
+#[derive(Clone, Copy)]
+pub(crate) struct Simplex<const CORNERS: usize> {
+    pub corners: [DVec3; CORNERS],
+    /// Its place among all.
+    pub id: u32,
+    /// Every search asks many simplices for theirs.
+    envelope: AABB<[f64; 3]>,
 }
 
-impl<'a> TriangleGrid<'a> {
-    /// Sorts the triangles of a surface into cells.
-    pub fn new(surface: &'a Surface) -> Self {
-        let places = || surface.points.iter().map(|p| p.as_dvec3());
-        let low = places().fold(DVec3::INFINITY, DVec3::min);
-        let size = places().fold(DVec3::NEG_INFINITY, DVec3::max) - low;
-        // A few triangles a cell where they are even: a surface crosses about the square of the cells along an axis.
-        let along = (surface.triangle_count() as f64 / 4.0).sqrt().clamp(1.0, MOST_CELLS);
-        let cell = size.max_element() / along;
-        let cells = size.to_array().map(|length| (length / cell) as usize + 1);
-        let mut grid = Self { surface, low, cell, cells, starts: Vec::new(), triangles: Vec::new() };
-        let mut starts = vec![0u32; cells.iter().product::<usize>() + 1];
-        let boxes = || (0..surface.triangle_count()).map(|t| grid.of_face(t));
-        boxes().for_each(|range| grid.each(range, |cell| starts[cell + 1] += 1));
-        for cell in 1..starts.len() {
-            starts[cell] += starts[cell - 1];
-        }
-        let mut place = starts.clone();
-        let mut triangles = vec![0; starts[starts.len() - 1] as usize];
-        for (t, range) in boxes().enumerate() {
-            grid.each(range, |cell| {
-                triangles[place[cell] as usize] = t as u32;
-                place[cell] += 1;
-            });
-        }
-        (grid.starts, grid.triangles) = (starts, triangles);
-        grid
+impl<const CORNERS: usize> Simplex<CORNERS> {
+    fn new(corners: [DVec3; CORNERS], id: u32) -> Self {
+        let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        Self { corners, id, envelope: AABB::from_corners(low.to_array(), high.to_array()) }
+    }
+}
+
+impl<const CORNERS: usize> RTreeObject for Simplex<CORNERS> {
+    type Envelope = AABB<[f64; 3]>;
+
+    fn envelope(&self) -> Self::Envelope {
+        self.envelope
+    }
+}
+
+impl PointDistance for Simplex<2> {
+    fn distance_2(&self, point: &[f64; 3]) -> f64 {
+        let (point, [start, end]) = (DVec3::from(*point), self.corners);
+        nearest_on_segment(point, start, end).distance_squared(point)
+    }
+}
+
+impl PointDistance for Simplex<3> {
+    fn distance_2(&self, point: &[f64; 3]) -> f64 {
+        squared_distance(DVec3::from(*point), self.corners)
+    }
+}
+
+/// Simplices in a tree.
+pub(crate) struct Simplices<const CORNERS: usize>(RTree<Simplex<CORNERS>>)
+where
+    Simplex<CORNERS>: PointDistance;
+
+impl<const CORNERS: usize> Simplices<CORNERS>
+where
+    Simplex<CORNERS>: RTreeObject<Envelope = AABB<[f64; 3]>> + PointDistance,
+{
+    /// Sorts finite simplices into a tree.
+    pub fn new(simplices: impl Iterator<Item = [DVec3; CORNERS]>) -> Self {
+        Self(RTree::bulk_load(simplices.zip(0..).map(|(corners, id)| Simplex::new(corners, id)).collect()))
     }
 
-    /// The triangle nearest to a point, and how far it is; of several the first.
+    /// The nearest and how far it is; `None` where there are no simplices.
+    pub fn nearest(&self, point: DVec3) -> Option<(f64, &Simplex<CORNERS>)> {
+        let (found, squared) = self.0.nearest_neighbor_with_distance_2(point.to_array())?;
+        Some((squared.sqrt(), found))
+    }
+
+    /// How far the nearest is; infinitely far where there are no simplices.
+    pub fn distance(&self, point: DVec3) -> f64 {
+        self.nearest(point).map_or(f64::INFINITY, |(distance, _)| distance)
+    }
+
+    /// Those that are no farther than this.
+    pub fn within(&self, point: DVec3, distance: f64) -> impl Iterator<Item = &Simplex<CORNERS>> {
+        self.0.locate_within_distance(point.to_array(), distance * distance)
+    }
+}
+
+/// The triangles of a surface.
+pub(crate) struct Triangles(Simplices<3>);
+
+impl Triangles {
+    /// Sorts them into a tree.
+    pub fn new(surface: &Surface) -> Self {
+        let corners = |t| surface.corners(t).map(|p| p.as_dvec3());
+        Self(Simplices::new((0..surface.triangle_count()).map(corners)))
+    }
+
+    /// The triangle nearest to a point, and how far it is.
     pub fn nearest(&self, point: DVec3) -> (u32, f64) {
-        let centre = self.coordinates(point);
-        let mut best = (f64::INFINITY, u32::MAX);
-        for ring in 0..=self.cells.into_iter().max().unwrap_or(0) {
-            let range = [0, 1, 2].map(|k| [centre[k].saturating_sub(ring), (centre[k] + ring).min(self.cells[k] - 1)]);
-            self.each(range, |cell| {
-                // Cells inside the ring have been seen.
-                let at = self.place(cell);
-                if (0..3).any(|k| at[k].abs_diff(centre[k]) == ring) {
-                    for &t in self.of_cell(cell) {
-                        let corners = self.surface.corners(t as usize).map(|p| p.as_dvec3());
-                        let found = (squared_distance(point, corners), t);
-                        if found < best {
-                            best = found;
-                        }
-                    }
-                }
-            });
-            if best.0 <= (ring as f64 * self.cell).powi(2) {
-                break;
-            }
-        }
-        (best.1, best.0.sqrt())
-    }
-
-    fn of_cell(&self, cell: usize) -> &[u32] {
-        &self.triangles[self.starts[cell] as usize..self.starts[cell + 1] as usize]
-    }
-
-    fn of_face(&self, triangle: usize) -> [[usize; 2]; 3] {
-        let corners = self.surface.corners(triangle).map(|p| p.as_dvec3());
-        let low = self.coordinates(corners.into_iter().fold(DVec3::INFINITY, DVec3::min));
-        let high = self.coordinates(corners.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max));
-        [0, 1, 2].map(|k| [low[k], high[k]])
-    }
-
-    /// The cell of a point, or the one nearest to it.
-    fn coordinates(&self, point: DVec3) -> [usize; 3] {
-        let at = ((point - self.low) / self.cell).to_array();
-        // A cast takes numbers below zero to zero.
-        [0, 1, 2].map(|k| (at[k] as usize).min(self.cells[k] - 1))
-    }
-
-    fn place(&self, cell: usize) -> [usize; 3] {
-        let [nx, ny, _] = self.cells;
-        [cell % nx, cell / nx % ny, cell / nx / ny]
-    }
-
-    fn each(&self, [x, y, z]: [[usize; 2]; 3], mut visit: impl FnMut(usize)) {
-        for k in z[0]..=z[1] {
-            for j in y[0]..=y[1] {
-                (x[0]..=x[1]).for_each(|i| visit((k * self.cells[1] + j) * self.cells[0] + i));
-            }
-        }
+        let (distance, triangle) = self.0.nearest(point).expect("a surface has triangles");
+        (triangle.id, distance)
     }
 }
 
@@ -129,11 +117,11 @@ mod tests {
     use crate::surface::examples::Example;
 
     #[test]
-    fn the_grid_finds_what_a_search_of_all_finds() {
+    fn the_tree_finds_what_a_search_of_all_finds() {
         for (name, triangles) in [("m6", 2_000), ("block", 3_000), ("plate", 10)] {
             let soup = name.parse::<Example>().expect("an example's name").generate(triangles);
             let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-            let grid = TriangleGrid::new(&surface);
+            let triangles = Triangles::new(&surface);
             let corners = |t: usize| surface.corners(t).map(|p| p.as_dvec3());
             let mut state = 1u32;
             let mut random = || {
@@ -144,9 +132,11 @@ mod tests {
                 // Inside the surface's box, and up to three times as far.
                 let scale = [1.0, 3.0][number % 2];
                 let point = DVec3::new(random(), random(), random()) * scale;
-                let all = (0..surface.triangle_count()).map(|t| (squared_distance(point, corners(t)), t as u32));
-                let (square, t) = all.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a triangle");
-                assert_eq!(grid.nearest(point), (t, square.sqrt()), "{name}, {point}");
+                let all = (0..surface.triangle_count()).map(|t| squared_distance(point, corners(t)));
+                let least = all.min_by(f64::total_cmp).expect("a triangle").sqrt();
+                let (nearest, distance) = triangles.nearest(point);
+                assert_eq!(distance, least, "{name}, {point}");
+                assert_eq!(squared_distance(point, corners(nearest as usize)).sqrt(), least, "{name}, {point}");
             }
         }
     }

@@ -22,7 +22,7 @@ use super::rows::rename;
 use super::settle::settle;
 use super::{Change, Work, step};
 use crate::surface::Surface;
-use crate::surface::nearest::{TriangleGrid, nearest_on_segment};
+use crate::surface::nearest::{Triangles, nearest_on_segment};
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -340,7 +340,7 @@ impl Work<'_> {
                 let foot = self.foot(triangle, self.scene.editor.point(v).into(), place);
                 (foot.triangle, foot.position.as_dvec3())
             }
-            None => (TriangleGrid::new(self.surface).nearest(place).0, place),
+            None => (Triangles::new(self.surface).nearest(place).0, place),
         };
         let normal = self.surface.normal(triangle as usize).as_dvec3();
         self.add(from.map_or(near[0], |(v, _)| v), place, normal, Some(triangle), 4)
