@@ -9,6 +9,7 @@ use crate::compute::{Backend, ComputeError};
 use crate::field::{Align, Field, FieldOptions, Stretch, StretchError};
 use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
 use crate::mesh::connect::{ConnectOptions, connect};
+use crate::mesh::facing::Facing;
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::join::{Joined, join};
 use crate::mesh::pair::upright::upright;
@@ -295,10 +296,11 @@ fn meshed(
 
     clock.begin(Stage::Smooth);
     let smoothed = smooth_in(&metric, surface, &quads, &below, options.smoothing);
+    let facing = Facing::new(surface);
     let mut smoothed =
-        if options.smoothing > 0 { touch_up(&metric, surface, &unfold(&metric, surface, &smoothed)) } else { smoothed };
+        if options.smoothing > 0 { touch_up(&metric, surface, &unfold(&metric, &facing, &smoothed)) } else { smoothed };
     if let (Some(pairing), Some(counts)) = (&options.pairing, &mut pairs)
-        && let Some(uprighted) = upright(&metric, surface, &smoothed, &features, pairing)
+        && let Some(uprighted) = upright(&metric, &facing, &smoothed, &features, pairing)
     {
         kept = uprighted.kept.iter().map(|&v| kept[v as usize]).collect();
         counts.set_upright = uprighted.count;

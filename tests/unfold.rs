@@ -4,6 +4,7 @@
 mod plate;
 
 use plate::{SIDE, at, grid, plate};
+use quadmosaic::mesh::facing::Facing;
 use quadmosaic::mesh::quality::{Quality, scaled_jacobian};
 use quadmosaic::mesh::smooth::Smoothed;
 use quadmosaic::mesh::unfold::{split_folded, unfold};
@@ -25,12 +26,15 @@ fn a_folded_vertex_finds_back() {
     for place in [[4.3, 3.0], [4.2, 4.1], [2.9, 1.8]] {
         let folded = grid(&surface, &[(at(3, 3), place)]);
         assert!(least(&folded.mesh) < 0.0, "it is folded");
-        let unfolded = unfold(&Metric::default(), &surface, &folded);
+        let unfolded = unfold(&Metric::default(), &Facing::new(&surface), &folded);
         assert!(least(&unfolded.mesh) > 0.25, "{place:?}: {}", least(&unfolded.mesh));
         assert!(unfolded.mesh.faces().eq(folded.mesh.faces()));
         // Nothing that may move: nothing moves.
         let stuck = Smoothed { below: vec![None; folded.below.len()], ..folded.clone() };
-        assert_eq!(unfold(&Metric::default(), &surface, &stuck).mesh.points[at(3, 3)], folded.mesh.points[at(3, 3)]);
+        assert_eq!(
+            unfold(&Metric::default(), &Facing::new(&surface), &stuck).mesh.points[at(3, 3)],
+            folded.mesh.points[at(3, 3)]
+        );
     }
 }
 
@@ -42,7 +46,7 @@ fn a_vertex_on_a_feature_slides_along_it() {
     // All inside is held, so that sliding alone helps.
     let mut held = bad.clone();
     held.below = held.below.iter().map(|_| None).collect();
-    let slid = unfold(&Metric::default(), &surface, &held);
+    let slid = unfold(&Metric::default(), &Facing::new(&surface), &held);
     let place = surface.frame().to_model(slid.mesh.points[at(2, 0)]);
     assert!(place[0] > near[0] + 0.2 && place[0] < 3.0, "{place:?}");
     assert!(place[1].abs() < 1e-6, "it stays on the rim: {place:?}");
@@ -58,10 +62,13 @@ fn a_vertex_on_a_feature_slides_along_it() {
 fn good_faces_stay_and_twice_is_the_same() {
     let surface = plate();
     let good = grid(&surface, &[(at(3, 3), [3.2, 3.1])]);
-    assert_eq!(unfold(&Metric::default(), &surface, &good), good);
+    assert_eq!(unfold(&Metric::default(), &Facing::new(&surface), &good), good);
     let folded = grid(&surface, &[(at(3, 3), [4.3, 3.0])]);
-    assert_eq!(unfold(&Metric::default(), &surface, &folded), unfold(&Metric::default(), &surface, &folded));
-    let far = unfold(&Metric::default(), &surface, &folded);
+    assert_eq!(
+        unfold(&Metric::default(), &Facing::new(&surface), &folded),
+        unfold(&Metric::default(), &Facing::new(&surface), &folded)
+    );
+    let far = unfold(&Metric::default(), &Facing::new(&surface), &folded);
     assert_eq!(far.mesh.points[at(0, 0)], folded.mesh.points[at(0, 0)]);
     assert_ne!(far, folded);
 }

@@ -4,6 +4,7 @@
 mod plate;
 
 use plate::{at, grid, plate};
+use quadmosaic::mesh::facing::Facing;
 use quadmosaic::mesh::pair::upright::{Uprighted, upright};
 use quadmosaic::mesh::pair::{PairOptions, Quads};
 use quadmosaic::mesh::smooth::Smoothed;
@@ -36,7 +37,7 @@ fn held(surface: &Surface, moved: (usize, [f64; 2]), gone: &[[usize; 2]], come: 
 
 fn set_upright(surface: &Surface, smoothed: &Smoothed, features: &[[u32; 2]], quads: Quads) -> Option<Uprighted> {
     let options = PairOptions { quads, ..PairOptions::default() };
-    upright(&Metric::default(), surface, smoothed, features, &options)
+    upright(&Metric::default(), &Facing::new(surface), smoothed, features, &options)
 }
 
 #[test]

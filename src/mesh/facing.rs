@@ -9,14 +9,24 @@ use std::sync::OnceLock;
 const PLAIN: f64 = 0.5;
 
 /// The surface, its triangles sorted once one is asked for.
-pub(super) struct Facing<'a> {
+pub struct Facing<'a> {
     surface: &'a Surface,
     triangles: OnceLock<Triangles>,
 }
 
 impl<'a> Facing<'a> {
-    pub(super) fn new(surface: &'a Surface) -> Self {
+    /// That of a surface.
+    pub fn new(surface: &'a Surface) -> Self {
         Self { surface, triangles: OnceLock::new() }
+    }
+
+    pub(super) fn surface(&self) -> &'a Surface {
+        self.surface
+    }
+
+    /// The unit normal of a triangle of the surface.
+    pub(super) fn normal(&self, triangle: u32) -> DVec3 {
+        self.surface.normal(triangle as usize).as_dvec3()
     }
 
     /// Whether a face with these corners looks away from the triangle nearest to its middle; `normals` are the surface's at
@@ -29,7 +39,7 @@ impl<'a> Facing<'a> {
             return false;
         }
         let triangles = self.triangles.get_or_init(|| Triangles::new(self.surface));
-        self.surface.normal(triangles.nearest(middle).0 as usize).as_dvec3().dot(area) < 0.0
+        self.normal(triangles.nearest(middle).0).dot(area) < 0.0
     }
 }
 

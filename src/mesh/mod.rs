@@ -7,7 +7,7 @@ pub mod compare;
 pub mod connect;
 mod curves;
 mod edit;
-mod facing;
+pub mod facing;
 pub mod fill;
 mod intrinsic;
 pub mod join;

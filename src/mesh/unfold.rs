@@ -19,8 +19,9 @@ use super::metric::laid;
 use super::quality::{quad_shape, scaled_jacobian, triangle_shape};
 use super::smooth::{Incidence, Smoothed};
 use super::{Mesh, Metric};
-use crate::surface::{Surface, WALK_EDGES, walk};
+use crate::surface::{WALK_EDGES, walk};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Faces with a smaller measure are worked on, until they have it.
 const POOR: f64 = 0.3;
@@ -40,20 +41,18 @@ const AWAY: f64 = 0.2;
 const GAIN: f64 = 1e-4;
 
 /// Moves vertices of bad faces so that the faces about each become better, their shapes measured in a metric; others stay.
-pub fn unfold(metric: &Metric, surface: &Surface, smoothed: &Smoothed) -> Smoothed {
+pub fn unfold(metric: &Metric, facing: &Facing, smoothed: &Smoothed) -> Smoothed {
     let Smoothed { mesh, below } = smoothed.clone();
     let incidence = Incidence::new(&mesh);
     let mean_edge = mean_edge(&mesh);
-    let facing = Facing::new(surface);
-    let mut work = Work { metric, surface, facing, mesh, below, incidence, mean_edge, curves: None };
+    let mut work = Work { metric, facing, mesh, below, incidence, mean_edge, curves: None };
+    let mut waiting = work.poor();
     for _ in 0..ROUNDS {
-        let mut moved = false;
-        for v in work.poor() {
-            moved |= work.improve(v);
-        }
-        if !moved {
+        waiting.retain(|&v| work.improve(v));
+        if waiting.is_empty() {
             break;
         }
+        waiting = work.poor_about(&waiting);
     }
     Smoothed { mesh: work.mesh, below: work.below }
 }
@@ -112,8 +111,7 @@ fn mean_edge(mesh: &Mesh) -> f64 {
 
 struct Work<'a> {
     metric: &'a Metric,
-    surface: &'a Surface,
-    facing: Facing<'a>,
+    facing: &'a Facing<'a>,
     mesh: Mesh,
     below: Vec<Option<u32>>,
     incidence: Incidence,
@@ -125,12 +123,30 @@ struct Work<'a> {
 impl Work<'_> {
     /// The vertices of poor faces, in order.
     fn poor(&self) -> Vec<u32> {
-        let is_poor = |f: &usize| self.measure(*f as u32) < POOR;
-        let mut poor: Vec<u32> =
-            (0..self.mesh.face_count()).filter(is_poor).flat_map(|f| self.mesh.face(f)).copied().collect();
+        let faces = (0..self.mesh.face_count() as u32).into_par_iter().with_min_len(1024);
+        let mut poor: Vec<u32> = faces
+            .filter(|&face| self.is_poor(face))
+            .flat_map_iter(|face| self.mesh.face(face as usize))
+            .copied()
+            .collect();
         poor.sort_unstable();
         poor.dedup();
         poor
+    }
+
+    /// The vertices of poor faces that share a face with one of some vertices, in order: for others nothing has changed.
+    fn poor_about(&self, moved: &[u32]) -> Vec<u32> {
+        let faces_at = |v: u32| self.incidence.faces_at(v as usize);
+        let mut about: Vec<u32> =
+            moved.iter().flat_map(|&v| faces_at(v)).flat_map(|&face| self.mesh.face(face as usize)).copied().collect();
+        about.sort_unstable();
+        about.dedup();
+        about.retain(|&v| faces_at(v).iter().any(|&face| self.is_poor(face)));
+        about
+    }
+
+    fn is_poor(&self, face: u32) -> bool {
+        self.measure(face) < POOR
     }
 
     /// Moves a vertex to the best of the places about it, if one is better than its own.
@@ -163,7 +179,7 @@ impl Work<'_> {
         let Some(triangle) = self.below[v as usize] else {
             return self.along_curve(v, distance).into_iter().map(|place| (place, None)).collect();
         };
-        let surface = self.surface;
+        let surface = self.facing.surface();
         let from = self.point(v).as_vec3();
         let normal = surface.normal(triangle as usize);
         let (across, along) = normal.any_orthonormal_pair();
@@ -180,7 +196,7 @@ impl Work<'_> {
 
     /// The places at a distance from a vertex on a feature curve, before and after it; none where it has to stay.
     fn along_curve(&mut self, v: u32, distance: f64) -> Vec<DVec3> {
-        let curves = self.curves.take().unwrap_or_else(|| Curves::new(self.surface));
+        let curves = self.curves.take().unwrap_or_else(|| Curves::new(self.facing.surface()));
         let about = self.incidence.faces_at(v as usize).iter().flat_map(|&f| self.mesh.face(f as usize));
         let others = about.filter(|&&w| w != v && self.below[w as usize].is_none()).map(|&w| self.point(w));
         let places = curves.beside(self.point(v), others, distance);
@@ -205,27 +221,32 @@ impl Work<'_> {
     fn measure(&self, face: u32) -> f64 {
         let corners = self.mesh.face(face as usize);
         let count = corners.len();
-        let places: Vec<[f64; 3]> = corners.iter().map(|&v| self.mesh.points[v as usize]).collect();
-        let at = |k: usize| DVec3::from(places[k % count]);
-        let frame = self.metric.frame(corners);
-        let shown = |place: [f64; 3]| laid(frame.as_ref(), place.into()).into();
-        let value = match *places {
-            [a, b, c] => TRIANGLE * triangle_shape([a, b, c].map(shown)),
-            [a, b, c, d] => scaled_jacobian([a, b, c, d]).min(quad_shape([a, b, c, d].map(shown))),
-            _ => return 1.0,
-        };
-        let normal = |v: u32| Some(self.surface.normal(self.below[v as usize]? as usize).as_dvec3());
+        let mut places = [DVec3::ZERO; 4];
+        let mut normals = [DVec3::ZERO; 4];
+        if count > 4 {
+            return 1.0;
+        }
+        for (k, &v) in corners.iter().enumerate() {
+            places[k] = self.point(v);
+            normals[k] = self.below[v as usize].map_or(DVec3::ZERO, |t| self.facing.normal(t));
+        }
+        let at = |k: usize| places[k % count];
         let across = if count == 4 { at(3) - at(1) } else { at(2) - at(1) };
         let own = (at(2) - at(0)).cross(across);
-        let up: DVec3 = corners.iter().filter_map(|&v| normal(v)).sum();
-        let up = up.try_normalize().unwrap_or(own.normalize_or_zero());
+        let up = normals.iter().sum::<DVec3>().try_normalize().unwrap_or(own.normalize_or_zero());
         let areas = (0..count).map(|k| (at(k + 1) - at(k)).cross(at(k + count - 1) - at(k)).dot(up));
         let least = areas.fold(f64::INFINITY, f64::min);
         if least < 0.0 {
             return least / self.mean_edge.powi(2);
         }
-        let places: Vec<DVec3> = places.into_iter().map(DVec3::from).collect();
-        let is_away = self.facing.looks_away(&places, corners.iter().map(|&v| normal(v).unwrap_or(DVec3::ZERO)));
-        if is_away { -AWAY } else { value }
+        if self.facing.looks_away(&places[..count], normals[..count].iter().copied()) {
+            return -AWAY;
+        }
+        let frame = self.metric.frame(corners);
+        let shown = |k: usize| laid(frame.as_ref(), at(k)).into();
+        match count {
+            3 => TRIANGLE * triangle_shape([0, 1, 2].map(shown)),
+            _ => scaled_jacobian([0, 1, 2, 3].map(|k| at(k).into())).min(quad_shape([0, 1, 2, 3].map(shown))),
+        }
     }
 }

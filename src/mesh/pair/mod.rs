@@ -203,7 +203,7 @@ struct Work<'a> {
     /// Half-edges of the surface's boundary where other sheets meet it.
     seams: FxHashSet<u32>,
     /// What tells faces that look away from the surface, while those are what changes are made for.
-    facing: Option<Facing<'a>>,
+    facing: Option<&'a Facing<'a>>,
 }
 
 /// Rounds at most; each leaves those for the next whose surroundings another has changed.
@@ -322,7 +322,7 @@ impl<'a> Work<'a> {
     /// What a draft is worth, regularity counted.
     fn settled(&self, draft: &Draft) -> Option<Settled> {
         let settled = settle(draft, self.options.triangle_price, self.options.least_shape)?;
-        if let Some(facing) = &self.facing {
+        if let Some(facing) = self.facing {
             return Some(Settled { gain: settled.gain + self.relief(facing, draft, &settled)?, ..settled });
         }
         if self.regularity == 0.0 {

@@ -17,7 +17,6 @@ use super::{Found, Kind, PairCounts, PairOptions, Quads, Work, step};
 use crate::mesh::Metric;
 use crate::mesh::facing::Facing;
 use crate::mesh::smooth::Smoothed;
-use crate::surface::Surface;
 use glam::DVec3;
 
 /// What a face less that looks away is worth, in perfect quads.
@@ -39,22 +38,21 @@ pub struct Uprighted {
 /// shape; `None` where there is none, or nothing helps. `features` are the edges that stay, the smaller id first.
 pub fn upright(
     metric: &Metric,
-    surface: &Surface,
+    facing: &Facing,
     smoothed: &Smoothed,
     features: &[[u32; 2]],
     options: &PairOptions,
 ) -> Option<Uprighted> {
     let Smoothed { mesh, below } = smoothed;
-    let normal = |below: &Option<u32>| below.map_or(DVec3::ZERO, |t| surface.normal(t as usize).as_dvec3());
+    let normal = |below: &Option<u32>| below.map_or(DVec3::ZERO, |triangle| facing.normal(triangle));
     let normals: Vec<DVec3> = below.iter().map(normal).collect();
-    let facing = Facing::new(surface);
-    let is_one = |face: &&[u32]| is_upset(&facing, face, |v| mesh.points[v as usize].into(), |v| normals[v as usize]);
+    let is_one = |face: &&[u32]| is_upset(facing, face, |v| mesh.points[v as usize].into(), |v| normals[v as usize]);
     let before = mesh.faces().filter(is_one).count();
     if before == 0 {
         return None;
     }
     let scene = Scene::new(mesh, normals, below, features, metric.clone());
-    let mut work = Work::on(surface, scene, below, &PairOptions { least_shape: 0.0, ..*options });
+    let mut work = Work::on(facing.surface(), scene, below, &PairOptions { least_shape: 0.0, ..*options });
     work.facing = Some(facing);
     work.run(Work::is_upset, Work::upright, &mut PairCounts::default());
     let count = before.saturating_sub(work.faces(Work::is_upset).len());
@@ -71,7 +69,7 @@ impl Work<'_> {
     /// Whether a face looks away from the surface.
     fn is_upset(&self, face: u32) -> bool {
         let draft = Draft::new(&self.scene);
-        self.facing.as_ref().is_some_and(|facing| self.is_upset_in(facing, &draft, face, |v| draft.point(v)))
+        self.facing.is_some_and(|facing| self.is_upset_in(facing, &draft, face, |v| draft.point(v)))
     }
 
     /// The best that can be done about a face that looks away, if anything is: by one change of faces, else by two.
