@@ -2,6 +2,7 @@
 
 use super::Surface;
 use glam::DVec3;
+use rayon::prelude::*;
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
 /// A segment or a triangle.
@@ -74,20 +75,32 @@ where
     }
 }
 
+/// So many trees hold a surface's triangles: they are planted at the same time.
+const TREES: usize = 8;
+
 /// The triangles of a surface.
-pub(crate) struct Triangles(Simplices<3>);
+pub(crate) struct Triangles {
+    trees: Vec<Simplices<3>>,
+    /// How many are in each but the last.
+    each: usize,
+}
 
 impl Triangles {
-    /// Sorts them into a tree.
+    /// Sorts them into trees.
     pub fn new(surface: &Surface) -> Self {
+        let each = surface.triangle_count().div_ceil(TREES);
         let corners = |t| surface.corners(t).map(|p| p.as_dvec3());
-        Self(Simplices::new((0..surface.triangle_count()).map(corners)))
+        let tree = |first: usize| (first..(first + each).min(surface.triangle_count())).map(corners);
+        let trees = (0..TREES).into_par_iter().map(|k| Simplices::new(tree(k * each))).collect();
+        Self { trees, each }
     }
 
     /// The triangle nearest to a point, and how far it is.
     pub fn nearest(&self, point: DVec3) -> (u32, f64) {
-        let (distance, triangle) = self.0.nearest(point).expect("a surface has triangles");
-        (triangle.id, distance)
+        let found = (0..).zip(&self.trees).filter_map(|(k, tree)| Some((k, tree.nearest(point)?)));
+        let nearest = found.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
+        let (k, (distance, triangle)) = nearest.expect("a surface has triangles");
+        (k * self.each as u32 + triangle.id, distance)
     }
 }
 
