@@ -248,6 +248,14 @@ fn sides(surface: &Surface, field: &Field, h: f32, tilt: f32) -> impl Fn(u32) ->
     }
 }
 
+/// A coarse mosaic that was laid: its scale, by how much its sides differ, and the tiles that it promised.
+#[derive(Clone, Copy)]
+struct Try {
+    h: f32,
+    tilt: f32,
+    promised: usize,
+}
+
 /// A level is done when its tiles move by less than this in a batch, in the mean, in tile sides.
 const STILL: f32 = 0.01;
 
@@ -266,7 +274,8 @@ impl Layer<'_> {
     /// Where the backend fails.
     pub fn with_count(&self, count: usize) -> Result<Mosaic, ComputeError> {
         let mut aim = count as f64;
-        let mut best = self.aimed_at(aim)?;
+        let mut tried = Vec::new();
+        let mut best = self.aimed_at(aim, &mut tried)?;
         let mut last = best.count();
         let miss = |found: usize| (found.max(1) as f64 / count as f64).ln().abs();
         for _ in 1..ATTEMPTS {
@@ -275,7 +284,7 @@ impl Layer<'_> {
                 break;
             }
             aim *= count as f64 / last.max(1) as f64;
-            let other = self.aimed_at(aim)?;
+            let other = self.aimed_at(aim, &mut tried)?;
             last = other.count();
             if miss(last) < miss(best.count()) {
                 best = other;
@@ -286,38 +295,53 @@ impl Layer<'_> {
 
     /// A mosaic that promises `count` tiles before its finest level is relaxed.
     ///
-    /// Up to there it is cheap, and laid again with another side until its promise is right.
-    fn aimed_at(&self, count: f64) -> Result<Mosaic, ComputeError> {
-        let mut h = self.field.sizes().side_for_count(self.surface, count.round() as usize);
-        let mut best: Option<(f64, f32, Mosaic)> = None;
-        // The side and the miss of the last mosaics with too few tiles and too many.
-        let mut bracket: [Option<[f64; 2]>; 2] = [None; 2];
+    /// Up to there it is cheap, and laid again with another side until its promise is right; what was `tried` for another count
+    /// shows where to begin.
+    fn aimed_at(&self, count: f64, tried: &mut Vec<Try>) -> Result<Mosaic, ComputeError> {
+        // Rows that pass everywhere cost more than what they miss by.
+        let [less, more] = if self.rows == Rows::Continuous { [COUNT_ERROR; 2] } else { PROMISE_ERROR };
+        let (middle, reach) = ((more - less) / 2.0, (more + less) / 2.0);
+        let off = |promised: usize| ((promised.max(1) as f64 / count).ln() - middle).abs();
+        let mut best: Option<(Try, Mosaic)> = None;
         for attempt in 0..TRIES {
-            let tilt = if attempt < EVEN_TRIES { 0.0 } else { TILT };
+            let known = tried.iter().copied().min_by(|a, b| off(a.promised).total_cmp(&off(b.promised)));
+            let known = known.filter(|known| attempt == 0 && off(known.promised) < reach);
+            let (h, tilt) = known.map_or_else(
+                || (self.side(count, tried), if tried.len() < EVEN_TRIES { 0.0 } else { TILT }),
+                |known| (known.h, known.tilt),
+            );
             let finest = self.promised(h, tilt)?;
-            let features = finest.sites.len();
-            let miss = (finest.count().max(1) as f64 / count).ln();
-            if best.as_ref().is_none_or(|b| miss.abs() < b.0) {
-                best = Some((miss.abs(), h, finest));
+            let (features, promised) = (finest.sites.len(), finest.count());
+            let this = Try { h, tilt, promised };
+            tried.push(this);
+            if best.as_ref().is_none_or(|(best, _)| off(promised) < off(best.promised)) {
+                best = Some((this, finest));
             }
-            // Rows that pass everywhere cost more than what they miss by.
-            let [less, more] = if self.rows == Rows::Continuous { [COUNT_ERROR; 2] } else { PROMISE_ERROR };
-            if (-less..more).contains(&miss) || features as f64 >= count {
+            if off(promised) < reach || features as f64 >= count {
                 break;
             }
-            bracket[usize::from(miss > 0.0)] = Some([f64::from(h), miss]);
-            h = match bracket {
-                [Some([large, few]), Some([small, many])] if large > small => {
-                    (small * (large / small).powf(many / (many - few))) as f32
-                }
-                _ => h * (miss / 2.0).exp() as f32,
-            };
         }
         (self.progress)(0.3);
-        let (_, h, finest) = best.expect("one try at least");
+        let (Try { h, .. }, finest) = best.expect("one try at least");
         let settled = self.settled(finest, h)?;
         (self.progress)(1.0);
         Ok(settled)
+    }
+
+    /// The scale to try next: between those that promised too few tiles and too many, or beyond the last.
+    fn side(&self, count: f64, tried: &[Try]) -> f32 {
+        let miss = |tried: &Try| (tried.promised.max(1) as f64 / count).ln();
+        let nearest = |is_many: bool| {
+            let those = tried.iter().filter(|tried| (miss(tried) > 0.0) == is_many);
+            those.min_by(|a, b| miss(a).abs().total_cmp(&miss(b).abs())).map(|tried| (f64::from(tried.h), miss(tried)))
+        };
+        match ([nearest(false), nearest(true)], tried.last()) {
+            ([Some((large, few)), Some((small, many))], _) if large > small => {
+                (small * (large / small).powf(many / (many - few))) as f32
+            }
+            (_, Some(last)) => last.h * (miss(last) / 2.0).exp() as f32,
+            (_, None) => self.field.sizes().side_for_count(self.surface, count.round() as usize),
+        }
     }
 
     /// Tiles at the scale `h`, the finest level not relaxed; their sides differ by up to `tilt` over the surface.
