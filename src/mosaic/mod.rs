@@ -331,11 +331,12 @@ impl Layer<'_> {
     /// The scale to try next: between those that promised too few tiles and too many, or beyond the last.
     fn side(&self, count: f64, tried: &[Try]) -> f32 {
         let miss = |tried: &Try| (tried.promised.max(1) as f64 / count).ln();
-        let nearest = |is_many: bool| {
-            let those = tried.iter().filter(|tried| (miss(tried) > 0.0) == is_many);
-            those.min_by(|a, b| miss(a).abs().total_cmp(&miss(b).abs())).map(|tried| (f64::from(tried.h), miss(tried)))
+        // The last ones: the promise jumps, and where nearest ones stay the same, so would the scale between them.
+        let latest = |is_many: bool| {
+            let found = tried.iter().rev().find(|tried| (miss(tried) > 0.0) == is_many);
+            found.map(|tried| (f64::from(tried.h), miss(tried)))
         };
-        match ([nearest(false), nearest(true)], tried.last()) {
+        match ([latest(false), latest(true)], tried.last()) {
             ([Some((large, few)), Some((small, many))], _) if large > small => {
                 (small * (large / small).powf(many / (many - few))) as f32
             }
