@@ -11,6 +11,7 @@ use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
 use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::facing::Facing;
 use crate::mesh::fill::{Holes, fill};
+use crate::mesh::follow::follow;
 use crate::mesh::join::{Joined, join};
 use crate::mesh::pair::upright::upright;
 use crate::mesh::pair::{PairCounts, PairOptions, Paired, Quads, pair};
@@ -295,10 +296,12 @@ fn meshed(
     };
 
     clock.begin(Stage::Smooth);
-    let smoothed = smooth_in(&metric, surface, &quads, &below, options.smoothing);
+    let mut smoothed = smooth_in(&metric, surface, &quads, &below, options.smoothing);
     let facing = Facing::new(surface);
-    let mut smoothed =
-        if options.smoothing > 0 { touch_up(&metric, surface, &unfold(&metric, &facing, &smoothed)) } else { smoothed };
+    if options.smoothing > 0 {
+        smoothed = follow(&metric, surface, &unfold(&metric, &facing, &smoothed));
+        smoothed = follow(&metric, surface, &touch_up(&metric, surface, &smoothed));
+    }
     if let (Some(pairing), Some(counts)) = (&options.pairing, &mut pairs)
         && let Some(uprighted) = upright(&metric, &facing, &smoothed, &features, pairing)
     {

@@ -9,6 +9,7 @@ mod curves;
 mod edit;
 pub mod facing;
 pub mod fill;
+pub mod follow;
 mod intrinsic;
 pub mod join;
 mod metric;
