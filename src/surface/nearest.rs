@@ -1,4 +1,4 @@
-//! What is nearest to a point: segments or triangles in a tree of their boxes.
+//! What is nearest to a point: segments or triangles in trees of their boxes.
 
 use super::Surface;
 use glam::DVec3;
@@ -69,6 +69,11 @@ where
         self.nearest(point).map_or(f64::INFINITY, |(distance, _)| distance)
     }
 
+    /// How far the box about all is; infinitely far where there are no simplices.
+    pub fn off(&self, point: DVec3) -> f64 {
+        if self.0.size() == 0 { f64::INFINITY } else { self.0.root().envelope().distance_2(&point.to_array()).sqrt() }
+    }
+
     /// Those that are no farther than this.
     pub fn within(&self, point: DVec3, distance: f64) -> impl Iterator<Item = &Simplex<CORNERS>> {
         self.0.locate_within_distance(point.to_array(), distance * distance)
@@ -78,29 +83,49 @@ where
 /// So many trees hold a surface's triangles: they are planted at the same time.
 const TREES: usize = 8;
 
-/// The triangles of a surface.
-pub(crate) struct Triangles {
-    trees: Vec<Simplices<3>>,
-    /// How many are in each but the last.
-    each: usize,
+/// The triangles of a surface, slice by slice along its longest axis.
+pub(crate) struct Triangles(Vec<Slice>);
+
+struct Slice {
+    tree: Simplices<3>,
+    /// The triangles' ids.
+    ids: Vec<u32>,
 }
 
 impl Triangles {
     /// Sorts them into trees.
     pub fn new(surface: &Surface) -> Self {
-        let each = surface.triangle_count().div_ceil(TREES);
-        let corners = |t| surface.corners(t).map(|p| p.as_dvec3());
-        let tree = |first: usize| (first..(first + each).min(surface.triangle_count())).map(corners);
-        let trees = (0..TREES).into_par_iter().map(|k| Simplices::new(tree(k * each))).collect();
-        Self { trees, each }
+        let corners = |t: u32| surface.corners(t as usize).map(|p| p.as_dvec3());
+        let low = surface.points.iter().map(|p| p.as_dvec3()).fold(DVec3::INFINITY, DVec3::min);
+        let high = surface.points.iter().map(|p| p.as_dvec3()).fold(DVec3::NEG_INFINITY, DVec3::max);
+        let axis = (high - low).max_position();
+        let mut along: Vec<(f64, u32)> = (0..surface.triangle_count() as u32)
+            .map(|t| (corners(t).map(|corner| corner[axis]).into_iter().sum(), t))
+            .collect();
+        along.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let slice = |slice: &[(f64, u32)]| {
+            let ids: Vec<u32> = slice.iter().map(|&(_, t)| t).collect();
+            Slice { tree: Simplices::new(ids.iter().map(|&t| corners(t))), ids }
+        };
+        Self(along.par_chunks(along.len().div_ceil(TREES)).map(slice).collect())
     }
 
     /// The triangle nearest to a point, and how far it is.
     pub fn nearest(&self, point: DVec3) -> (u32, f64) {
-        let found = (0..).zip(&self.trees).filter_map(|(k, tree)| Some((k, tree.nearest(point)?)));
-        let nearest = found.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
-        let (k, (distance, triangle)) = nearest.expect("a surface has triangles");
-        (k * self.each as u32 + triangle.id, distance)
+        let mut best = (u32::MAX, f64::INFINITY);
+        let mut slices: Vec<(f64, &Slice)> = self.0.iter().map(|slice| (slice.tree.off(point), slice)).collect();
+        slices.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        for (off, Slice { tree, ids }) in slices {
+            if off > best.1 {
+                break;
+            }
+            if let Some((distance, triangle)) = tree.nearest(point)
+                && distance < best.1
+            {
+                best = (ids[triangle.id as usize], distance);
+            }
+        }
+        best
     }
 }
 
