@@ -305,7 +305,7 @@ fn meshed(
     if let (Some(pairing), Some(counts)) = (&options.pairing, &mut pairs)
         && let Some(uprighted) = upright(&metric, &facing, &smoothed, &features, pairing)
     {
-        kept = uprighted.kept.iter().map(|&v| kept[v as usize]).collect();
+        kept = uprighted.kept.iter().map(|&v| kept.get(v as usize).copied().unwrap_or(NONE)).collect();
         counts.set_upright = uprighted.count;
         smoothed = uprighted.smoothed;
     }

@@ -53,7 +53,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 use search::End;
 use serde::Serialize;
-use settle::{Settled, settle};
+use settle::{Settled, settle, settle_anyhow};
 use ways::Added;
 
 /// Which triangles are to become quads.
@@ -321,10 +321,11 @@ impl<'a> Work<'a> {
 
     /// What a draft is worth, regularity counted.
     fn settled(&self, draft: &Draft) -> Option<Settled> {
-        let settled = settle(draft, self.options.triangle_price, self.options.least_shape)?;
         if let Some(facing) = self.facing {
+            let settled = settle_anyhow(draft, self.options.triangle_price);
             return Some(Settled { gain: settled.gain + self.relief(facing, draft, &settled)?, ..settled });
         }
+        let settled = settle(draft, self.options.triangle_price, self.options.least_shape)?;
         if self.regularity == 0.0 {
             return Some(settled);
         }

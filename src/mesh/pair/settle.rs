@@ -38,30 +38,36 @@ pub(super) struct Settled {
 ///
 /// `price` is what a triangle costs, in perfect quads.
 pub(super) fn settle(draft: &Draft, price: f64, least: f64) -> Option<Settled> {
+    let (patch, settled, worst) = settled(draft, price);
+    let least = least.min((1.0 - ROUNDING) * worst);
+    let is_bad = |f: usize| quality(&patch.shown(f)) <= least || patch.looks_away(f);
+    (!(0..patch.corners.len()).any(is_bad)).then_some(settled)
+}
+
+/// As [`settle`], whatever comes of it.
+pub(super) fn settle_anyhow(draft: &Draft, price: f64) -> Settled {
+    settled(draft, price).1
+}
+
+/// The settled patch, what has become of it, and the worst shape that was there.
+fn settled<'a>(draft: &'a Draft<'a>, price: f64) -> (Patch<'a>, Settled, f64) {
     let mut patch = Patch::about(draft);
     (0..SWEEPS).for_each(|_| patch.sweep());
 
     let gone = || draft.changed().filter(|(_, corners)| corners.is_empty()).map(|(face, _)| face);
     let editor = &draft.scene.editor;
-    let (mut gain, mut least) = (0.0, least);
+    let (mut gain, mut worst) = (0.0, f64::INFINITY);
     for face in gone().chain(patch.faces.iter().copied()).filter(|face| (*face as usize) < editor.face_count()) {
         let frame = draft.scene.metric.frame(editor.face(face));
         let before: Vec<DVec3> =
             editor.face(face).iter().map(|v| laid(frame.as_ref(), editor.point(*v).into())).collect();
         gain += loss(&before, price);
-        least = least.min((1.0 - ROUNDING) * quality(&before));
+        worst = worst.min(quality(&before));
     }
-    for (f, corners) in patch.corners.iter().enumerate() {
-        let places: Vec<DVec3> = corners.iter().map(|v| patch.points[*v]).collect();
-        let after: Vec<DVec3> = places.iter().map(|place| laid(patch.frames.get(f), *place)).collect();
-        gain -= loss(&after, price);
-        if quality(&after) <= least || patch.looks_away(corners, &places) {
-            return None;
-        }
-    }
+    gain -= (0..patch.corners.len()).map(|f| loss(&patch.shown(f), price)).sum::<f64>();
     let core = gone().chain(patch.faces[..patch.core].iter().copied()).collect();
     let places = patch.free.iter().map(|&v| (patch.vertices[v], patch.points[v])).collect();
-    Some(Settled { places, gain, core })
+    (patch, Settled { places, gain, core }, worst)
 }
 
 /// The shape of a quad; of triangles those alone count that have hardly any.
@@ -165,11 +171,18 @@ impl<'a> Patch<'a> {
         }
     }
 
+    /// The corners of a face as its metric shows them.
+    fn shown(&self, f: usize) -> Vec<DVec3> {
+        self.corners[f].iter().map(|v| laid(self.frames.get(f), self.points[*v])).collect()
+    }
+
     /// Whether a face lies upside down; not where all of its vertices are on features, whose normals are rough.
-    fn looks_away(&self, corners: &[usize], places: &[DVec3]) -> bool {
+    fn looks_away(&self, f: usize) -> bool {
+        let corners = &self.corners[f];
         let free = corners.iter().filter(|v| !self.draft.is_fixed(self.vertices[**v]));
         let up: DVec3 = free.map(|v| self.normals[*v]).sum();
-        let area = (2..places.len()).map(|k| (places[k - 1] - places[0]).cross(places[k] - places[0])).sum::<DVec3>();
+        let at = |k: usize| self.points[corners[k]];
+        let area = (2..corners.len()).map(|k| (at(k - 1) - at(0)).cross(at(k) - at(0))).sum::<DVec3>();
         area.dot(up) < 0.0
     }
 }

@@ -13,6 +13,7 @@
 use super::draft::{Draft, Scene};
 use super::polish::{merged, recut, turned};
 use super::settle::{Settled, quality};
+use super::ways::seams;
 use super::{Found, Kind, PairCounts, PairOptions, Quads, Work, step};
 use crate::mesh::Metric;
 use crate::mesh::facing::Facing;
@@ -28,7 +29,7 @@ const FLAT: f64 = 0.05;
 pub struct Uprighted {
     /// The mesh, on its surface.
     pub smoothed: Smoothed,
-    /// For each vertex its id in the old mesh.
+    /// For each vertex its id in the old mesh; `u32::MAX` for a new one.
     pub kept: Vec<u32>,
     /// How many faces fewer.
     pub count: usize,
@@ -52,16 +53,26 @@ pub fn upright(
         return None;
     }
     let scene = Scene::new(mesh, normals, below, features, metric.clone());
-    let mut work = Work::on(facing.surface(), scene, below, &PairOptions { least_shape: 0.0, ..*options });
+    let mut work = Work::on(facing.surface(), scene, below, options);
     work.facing = Some(facing);
     work.run(Work::is_upset, Work::upright, &mut PairCounts::default());
+    if options.quads == Quads::All {
+        work.seams = seams(facing.surface());
+        for face in work.faces(Work::is_upset) {
+            if let Some(corner) = work.opposite(face) {
+                work.put_ring(facing, corner);
+            }
+        }
+    }
     let count = before.saturating_sub(work.faces(Work::is_upset).len());
     if count == 0 {
         return None;
     }
     let Work { scene, below, .. } = work;
+    let known = mesh.points.len() as u32;
     let (mesh, kept) = scene.editor.finish();
     let below = kept.iter().map(|&v| below[v as usize]).collect();
+    let kept = kept.into_iter().map(|v| if v < known { v } else { u32::MAX }).collect();
     Some(Uprighted { smoothed: Smoothed { mesh, below }, kept, count })
 }
 
@@ -83,6 +94,19 @@ impl Work<'_> {
             });
             self.best_of(face, twice.filter(|(_, draft)| self.may_be(draft)))
         })
+    }
+
+    /// The corner of a quad opposite to the one that is straight, if one is.
+    fn opposite(&self, face: u32) -> Option<u32> {
+        let draft = Draft::new(&self.scene);
+        let &[a, b, c, d] = draft.face(face) else { return None };
+        let quad = [a, b, c, d].map(|v| draft.point(v));
+        let turn = |k: usize| {
+            let [before, here, after] = [3, 0, 1].map(|by| quad[(k + by) % 4]);
+            (here - before).normalize_or_zero().dot((after - here).normalize_or_zero())
+        };
+        let straightest = (0..4).max_by(|&j, &k| turn(j).total_cmp(&turn(k)))?;
+        (quality(&quad) < FLAT).then(|| [a, b, c, d][(straightest + 2) % 4])
     }
 
     /// Where all faces are to be quads no triangle may come.

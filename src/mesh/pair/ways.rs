@@ -19,8 +19,9 @@
 
 use super::draft::Draft;
 use super::rows::rename;
-use super::settle::settle;
+use super::settle::{settle, settle_anyhow};
 use super::{Change, Work, step};
+use crate::mesh::facing::Facing;
 use crate::surface::Surface;
 use crate::surface::nearest::{Triangles, nearest_on_segment};
 use glam::DVec3;
@@ -192,6 +193,13 @@ impl Work<'_> {
     /// Puts a row in along a way.
     fn put_in(&mut self, way: &Way, added: &mut Added) {
         let marked = self.marked(way);
+        let change = self.divided(&marked, added);
+        let places = settle(&change.onto(&self.scene), self.options.triangle_price, 0.0).map(|settled| settled.places);
+        self.apply(&change, &places.unwrap_or_default());
+    }
+
+    /// Gives edges a vertex each, and tells what becomes of their faces.
+    fn divided(&mut self, marked: &BTreeSet<[u32; 2]>, added: &mut Added) -> Change {
         let draft = Draft::new(&self.scene);
         let mut faces: Vec<u32> =
             marked.iter().flat_map(|&[a, b]| [draft.left(a, b), draft.left(b, a)]).flatten().collect();
@@ -212,29 +220,45 @@ impl Work<'_> {
                 draft.add_face(part);
             });
         }
-        let places = settle(&draft, self.options.triangle_price, 0.0).map(|settled| settled.places);
-        let change = Change::of(&draft);
-        self.apply(&change, &places.unwrap_or_default());
+        Change::of(&draft)
+    }
+
+    /// Puts a ring of quads about a vertex of quads, if fewer faces look away or have straight corners then.
+    pub(super) fn put_ring(&mut self, facing: &Facing, corner: u32) {
+        let Some(ring) = self.ring(corner) else { return };
+        let (features, drift) = (self.scene.features.clone(), self.drift);
+        let change = self.divided(&ring, &mut Added::default());
+        let draft = change.onto(&self.scene);
+        let settled = settle_anyhow(&draft, self.options.triangle_price);
+        if draft.is_sound() && self.relief(facing, &draft, &settled).is_some() {
+            self.apply(&change, &settled.places);
+        } else {
+            // The new vertices are left without faces.
+            (self.scene.features, self.drift) = (features, drift);
+        }
+    }
+
+    /// The edges at a vertex, the smaller id first; `None` where one may not be split.
+    fn ring(&self, corner: u32) -> Option<BTreeSet<[u32; 2]>> {
+        let draft = Draft::new(&self.scene);
+        let spokes: BTreeSet<u32> = draft.around(corner).flat_map(|face| draft.wings(face, corner)).collect();
+        let may_split = |&w: &u32| {
+            let closed = draft.left(corner, w).is_some() && draft.left(w, corner).is_some();
+            closed || self.may_leave([corner, w])
+        };
+        let may_be = draft.around(corner).all(|face| draft.face(face).len() <= 4) && spokes.iter().all(may_split);
+        may_be.then(|| spokes.into_iter().map(|w| [corner.min(w), corner.max(w)]).collect())
     }
 
     /// The edges that get a vertex, the smaller id first: those that the way crosses. A triangle that it leaves over a
     /// feature would be a quad with a straight corner there; it is split on all sides, by a ring about its other corner.
     fn marked(&self, way: &Way) -> BTreeSet<[u32; 2]> {
-        let draft = Draft::new(&self.scene);
         let sorted = |a: u32, b: u32| [a.min(b), a.max(b)];
         let mut marked: BTreeSet<[u32; 2]> = way.passages.iter().map(|&([a, b], _)| sorted(a, b)).collect();
         // A ring may take away what another one has brought.
         for _ in 0..RINGS {
             let Some(corner) = self.straight(&marked) else { break };
-            let spokes: BTreeSet<u32> = draft.around(corner).flat_map(|face| draft.wings(face, corner)).collect();
-            let may_split = |&w: &u32| {
-                let closed = draft.left(corner, w).is_some() && draft.left(w, corner).is_some();
-                closed || self.may_leave([corner, w])
-            };
-            if !draft.around(corner).all(|face| draft.face(face).len() <= 4) || !spokes.iter().all(may_split) {
-                break;
-            }
-            let ring: BTreeSet<[u32; 2]> = spokes.into_iter().map(|w| sorted(corner, w)).collect();
+            let Some(ring) = self.ring(corner) else { break };
             marked = marked.symmetric_difference(&ring).copied().collect();
         }
         marked
@@ -409,7 +433,7 @@ fn taken_out<'a>(draft: &Draft<'a>, way: &Way) -> Option<Draft<'a>> {
 }
 
 /// The half-edges of the surface's boundary where other sheets meet it.
-fn seams(surface: &Surface) -> FxHashSet<u32> {
+pub(super) fn seams(surface: &Surface) -> FxHashSet<u32> {
     let shared = surface.shared_places();
     (0..3 * surface.triangle_count() as u32)
         .filter(|&h| surface.twin(h).is_none())
