@@ -7,6 +7,7 @@ use plate::{at, grid, plate};
 use quadmosaic::mesh::facing::Facing;
 use quadmosaic::mesh::pair::upright::{Uprighted, upright};
 use quadmosaic::mesh::pair::{PairOptions, Quads};
+use quadmosaic::mesh::quality::quad_shape;
 use quadmosaic::mesh::smooth::Smoothed;
 use quadmosaic::mesh::{Mesh, Metric};
 use quadmosaic::surface::Surface;
@@ -69,7 +70,32 @@ fn quads_are_turned_and_stay_quads() {
     let middle = [b as u32, e as u32];
     assert_eq!(smoothed.mesh.faces().filter(|face| middle.iter().all(|v| face.contains(v))).count(), 2);
     let stays = [[c.min(f) as u32, c.max(f) as u32]];
-    assert!(set_upright(&surface, &wrong, &stays, Quads::All).is_none(), "the edge is a feature");
+    assert!(set_upright(&surface, &wrong, &stays, Quads::Most).is_none(), "the edge is a feature");
+}
+
+#[test]
+fn a_ring_about_the_opposite_corner_takes_a_straight_one_away() {
+    let surface = plate();
+    let [low, high] = [2, 3].map(|j| move |i: usize| at(i, j));
+    let straight = [low(2), low(3), low(4), high(2)];
+    let others = [[high(2), low(4), high(4), high(3)], [low(4), low(5), high(5), high(4)]];
+    let come: Vec<&[usize]> = std::iter::once(&straight[..]).chain(others.iter().map(|face| &face[..])).collect();
+    let wrong = held(&surface, (at(3, 3), [3.0, 3.4]), &[[2, 2], [3, 2], [4, 2]], &come);
+    // All about it are features, so that nothing can be cut anew.
+    let sides = (0..4).map(|k| [straight[k], straight[(k + 1) % 4]].map(|v| v as u32));
+    let mut stays: Vec<[u32; 2]> = sides.map(|[v, w]| [v.min(w), v.max(w)]).collect();
+    stays.sort_unstable();
+    assert!(set_upright(&surface, &wrong, &stays, Quads::Most).is_none(), "two triangles are made of it later");
+    let Uprighted { smoothed: Smoothed { mesh, below }, kept, count } =
+        set_upright(&surface, &wrong, &stays, Quads::All).unwrap();
+    assert_eq!(count, 1);
+    let quads = mesh.faces().map(|face| [0, 1, 2, 3].map(|k| mesh.points[face[k] as usize]));
+    assert!(quads.map(quad_shape).fold(1.0, f64::min) > 0.1);
+    // Five edges meet at the corner, and five faces: each gets a vertex, the new ones of features no place to move.
+    assert_eq!(kept.iter().filter(|&&v| v == u32::MAX).count(), 10);
+    assert_eq!(mesh.points.len(), wrong.mesh.points.len() + 10);
+    assert_eq!(below.iter().filter(|below| below.is_some()).count(), 8);
+    assert_eq!(turned_over(&mesh), 0);
 }
 
 #[test]

@@ -4,7 +4,10 @@
 //! Where the surface is thinner than a tile, or sharp edges lie nearer to each other, a face may span from one side to the
 //! other and look away from both. It is cut anew together with a face beside it in every way that leaves quads and triangles,
 //! one of its edges shrinks, or two of its corners meet; of what results the shapes decide among those in which fewer faces
-//! look away. This is done last, when all vertices have their places, so that what is judged is what is written.
+//! look away. So it is with quads that have a straight corner. Where all faces are to be quads and nothing else helps such
+//! a quad, a ring of quads is put about the corner opposite to the straight one.
+//!
+//! This is done last, when all vertices have their places, so that what is judged is what is written.
 //!
 //! # Practice
 //! Of 20 meshes with such faces (m6_gen, fish_blub and plane at 500 to 6,000 points, with equal and fitting sides) 3 keep one;
