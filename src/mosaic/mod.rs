@@ -279,8 +279,8 @@ impl Layer<'_> {
         let mut last = best.count();
         let miss = |found: usize| (found.max(1) as f64 / count as f64).ln().abs();
         for _ in 1..ATTEMPTS {
-            // Where features alone have more tiles than are wanted, no aim helps.
-            if miss(last) < COUNT_ERROR || best.sites.len() >= count {
+            // Where features alone have more tiles than are wanted, or a promise is always kept, no other aim helps.
+            if miss(last) < COUNT_ERROR || best.sites.len() >= count || !self.relaxes() {
                 break;
             }
             aim *= count as f64 / last.max(1) as f64;
@@ -410,6 +410,11 @@ impl Layer<'_> {
         })
     }
 
+    /// Whether tiles are moved after they are laid.
+    fn relaxes(&self) -> bool {
+        self.rows == Rows::Paper && self.field.stretch().is_none()
+    }
+
     fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {
         let free = refine::refine(self.surface, self.field, coarse, h);
         let refined = Mosaic::new(self.surface, self.field, h, coarse.rulers.thirds(), free);
@@ -418,7 +423,7 @@ impl Layer<'_> {
 
     /// Relaxed in batches, with a census after each; rows that pass over the whole surface, and rectangles, stay as they are.
     fn settled(&self, mut mosaic: Mosaic, h: f32) -> Result<Mosaic, ComputeError> {
-        if self.rows == Rows::Continuous || self.field.stretch().is_some() {
+        if !self.relaxes() {
             return Ok(mosaic);
         }
         let relaxation = Relaxation::new(self.effort.steps, h, self.field.sizes());
