@@ -204,6 +204,8 @@ struct Work<'a> {
     seams: FxHashSet<u32>,
     /// What tells faces that look away from the surface, while those are what changes are made for.
     facing: Option<&'a Facing<'a>>,
+    /// Whether such a change must leave no bad face about it.
+    is_strict: bool,
 }
 
 /// Rounds at most; each leaves those for the next whose surroundings another has changed.
@@ -239,6 +241,7 @@ impl<'a> Work<'a> {
             regularity: 0.0,
             seams: FxHashSet::default(),
             facing: None,
+            is_strict: true,
         }
     }
 
@@ -322,7 +325,10 @@ impl<'a> Work<'a> {
     /// What a draft is worth, regularity counted.
     fn settled(&self, draft: &Draft) -> Option<Settled> {
         if let Some(facing) = self.facing {
-            let settled = settle_anyhow(draft, self.options.triangle_price);
+            let settled = match self.is_strict {
+                true => settle(draft, self.options.triangle_price, 0.0)?,
+                false => settle_anyhow(draft, self.options.triangle_price),
+            };
             return Some(Settled { gain: settled.gain + self.relief(facing, draft, &settled)?, ..settled });
         }
         let settled = settle(draft, self.options.triangle_price, self.options.least_shape)?;

@@ -4,7 +4,7 @@
 //! Where the surface is thinner than a tile, or sharp edges lie nearer to each other, a face may span from one side to the
 //! other and look away from both. It is cut anew together with a face beside it in every way that leaves quads and triangles,
 //! one of its edges shrinks, or two of its corners meet; of what results the shapes decide among those in which fewer faces
-//! look away. So it is with quads that have a straight corner. Where all faces are to be quads and nothing else helps such
+//! look away: first of those in which none is left about the change. So it is with quads that have a straight corner. Where all faces are to be quads and nothing else helps such
 //! a quad, a ring of quads is put about the corner opposite to the straight one.
 //!
 //! This is done last, when all vertices have their places, so that what is judged is what is written.
@@ -23,8 +23,10 @@ use crate::mesh::facing::Facing;
 use crate::mesh::smooth::Smoothed;
 use glam::DVec3;
 
-/// What a face less that looks away is worth, in perfect quads.
-const WORTH: f64 = 4.0;
+/// How upset a face may be, ...
+const MOST: u32 = 5;
+/// ... and what it is worth that it is less so, in perfect quads.
+const WORTH: f64 = 1.0;
 /// A quad of a smaller shape has a straight corner.
 const FLAT: f64 = 0.05;
 
@@ -50,15 +52,18 @@ pub fn upright(
     let Smoothed { mesh, below } = smoothed;
     let normal = |below: &Option<u32>| below.map_or(DVec3::ZERO, |triangle| facing.normal(triangle));
     let normals: Vec<DVec3> = below.iter().map(normal).collect();
-    let is_one = |face: &&[u32]| is_upset(facing, face, |v| mesh.points[v as usize].into(), |v| normals[v as usize]);
-    let before = mesh.faces().filter(is_one).count();
-    if before == 0 {
+    let own = |face: &[u32]| upset(facing, face, |v| mesh.points[v as usize].into(), |v| normals[v as usize]);
+    let before: Vec<u32> = mesh.faces().map(own).filter(|upset| *upset > 0).collect();
+    if before.is_empty() {
         return None;
     }
     let scene = Scene::new(mesh, normals, below, features, metric.clone());
     let mut work = Work::on(facing.surface(), scene, below, options);
     work.facing = Some(facing);
-    work.run(Work::is_upset, Work::upright, &mut PairCounts::default());
+    for is_strict in [true, false] {
+        work.is_strict = is_strict;
+        work.run(Work::is_upset, Work::upright, &mut PairCounts::default());
+    }
     if options.quads == Quads::All {
         work.seams = seams(facing.surface());
         for face in work.faces(Work::is_upset) {
@@ -67,10 +72,15 @@ pub fn upright(
             }
         }
     }
-    let count = before.saturating_sub(work.faces(Work::is_upset).len());
-    if count == 0 {
+    let upset_faces = work.faces(Work::is_upset);
+    let after = upset_faces
+        .iter()
+        .map(|&face| work.upset(facing, &Draft::new(&work.scene), face, |v| work.scene.editor.point(v).into()))
+        .sum::<u32>();
+    if after >= before.iter().sum() {
         return None;
     }
+    let count = before.len().saturating_sub(upset_faces.len());
     let Work { scene, below, .. } = work;
     let known = mesh.points.len() as u32;
     let (mesh, kept) = scene.editor.finish();
@@ -83,7 +93,7 @@ impl Work<'_> {
     /// Whether a face looks away from the surface.
     fn is_upset(&self, face: u32) -> bool {
         let draft = Draft::new(&self.scene);
-        self.facing.is_some_and(|facing| self.is_upset_in(facing, &draft, face, |v| draft.point(v)))
+        self.facing.is_some_and(|facing| self.upset(facing, &draft, face, |v| draft.point(v)) > 0)
     }
 
     /// The best that can be done about a face that looks away, if anything is: by one change of faces, else by two.
@@ -122,26 +132,34 @@ impl Work<'_> {
         (self.options.quads == Quads::Most || come <= gone) && draft.is_sound()
     }
 
-    /// How much better a settled draft is for the faces that look away no more; `None` where there are no fewer.
+    /// How much better a settled draft is for the faces that are less upset; `None` where it is not.
     pub(super) fn relief(&self, facing: &Facing, draft: &Draft, settled: &Settled) -> Option<f64> {
         let before = Draft::new(&self.scene);
         let known = |face: &&u32| (**face as usize) < self.scene.editor.face_count();
         let was = settled.core.iter().filter(known);
-        let was = was.filter(|&&face| self.is_upset_in(facing, &before, face, |v| before.point(v))).count();
+        let was: u32 = was.map(|&face| self.upset(facing, &before, face, |v| before.point(v))).sum();
         let place = |v: u32| settled.places.iter().find(|(w, _)| *w == v).map_or_else(|| draft.point(v), |(_, p)| *p);
-        let is = settled.core.iter().filter(|&&face| self.is_upset_in(facing, draft, face, place)).count();
-        (is < was).then(|| WORTH * (was - is) as f64)
+        let is: u32 = settled.core.iter().map(|&face| self.upset(facing, draft, face, place)).sum();
+        (is < was).then(|| WORTH * f64::from(was - is))
     }
 
-    fn is_upset_in(&self, facing: &Facing, draft: &Draft, face: u32, place: impl Fn(u32) -> DVec3) -> bool {
-        is_upset(facing, draft.face(face), place, |v| draft.normal(v))
+    fn upset(&self, facing: &Facing, draft: &Draft, face: u32, place: impl Fn(u32) -> DVec3) -> u32 {
+        upset(facing, draft.face(face), place, |v| draft.normal(v))
     }
 }
 
-/// Whether a face looks away from the surface, or is a quad with a straight corner; `normal` is the surface's at a vertex.
-fn is_upset(facing: &Facing, face: &[u32], place: impl Fn(u32) -> DVec3, normal: impl Fn(u32) -> DVec3) -> bool {
+/// How upset a face is: most if it looks away from the surface or is concave, a little if it has a straight corner; `normal`
+/// is the surface's at a vertex.
+fn upset(facing: &Facing, face: &[u32], place: impl Fn(u32) -> DVec3, normal: impl Fn(u32) -> DVec3) -> u32 {
     let places: Vec<DVec3> = face.iter().map(|&v| place(v)).collect();
-    !face.is_empty() && (quality(&places) < FLAT || facing.looks_away(&places, face.iter().map(|&v| normal(v))))
+    if face.is_empty() {
+        return 0;
+    }
+    let shape = quality(&places);
+    match shape <= 0.0 || facing.looks_away(&places, face.iter().map(|&v| normal(v))) {
+        true => MOST,
+        false => u32::from(shape < FLAT),
+    }
 }
 
 /// The drafts in which a face is cut anew together with one beside it, or two of its corners are one.
