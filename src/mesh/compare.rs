@@ -28,7 +28,7 @@ use super::check::{Fault, Faults, Kind, check, check_joined, sort};
 use super::quality::percentile;
 use super::topology::Connections;
 use super::{Mesh, Topology};
-use crate::surface::nearest::{Simplex, Simplices};
+use crate::surface::nearest::{EQUALLY_NEAR, Simplex, Simplices};
 use crate::surface::{Frame, Surface};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -42,9 +42,6 @@ const ON_JOINT: f64 = 0.25;
 const OFF_BOUNDARY: f64 = 0.75;
 /// A vertex that is farther than this from the surface, in mean edge lengths, is a fault.
 const OFF_SURFACE: f64 = 1.0;
-/// Triangles whose distances from a point differ by no more than this, in diagonals of the surface, are equally near to it:
-/// coordinates are rounded to 6e-8.
-const EQUALLY_NEAR: f64 = 1e-6;
 /// Diagonals that differ by more than this factor are of other units.
 const OTHER_UNIT: f64 = 2.0;
 

@@ -1,7 +1,7 @@
 //! Whether a face looks away from the surface that it stands for.
 
 use crate::surface::Surface;
-use crate::surface::nearest::Triangles;
+use crate::surface::nearest::{EQUALLY_NEAR, Triangles};
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -29,8 +29,8 @@ impl<'a> Facing<'a> {
         self.surface.normal(triangle as usize).as_dvec3()
     }
 
-    /// Whether a face with these corners looks away from the triangle nearest to its middle; `normals` are the surface's at
-    /// its corners.
+    /// Whether a face with these corners looks away from the triangle nearest to its middle, or from all that are equally near,
+    /// as on both sides of a sharp edge; `normals` are the surface's at its corners.
     pub(super) fn looks_away(&self, corners: &[DVec3], mut normals: impl Iterator<Item = DVec3>) -> bool {
         let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
         let arm = |k: usize| corners[k % corners.len()] - middle;
@@ -39,7 +39,9 @@ impl<'a> Facing<'a> {
             return false;
         }
         let triangles = self.triangles.get_or_init(|| Triangles::new(self.surface));
-        self.normal(triangles.nearest(middle).0).dot(area) < 0.0
+        let is_away = |triangle: u32| self.normal(triangle).dot(area) < 0.0;
+        let (nearest, distance) = triangles.nearest(middle);
+        is_away(nearest) && triangles.within(middle, distance + EQUALLY_NEAR).all(is_away)
     }
 }
 
@@ -71,5 +73,10 @@ mod tests {
         assert!(!facing.looks_away(&low, unknown()), "the lower sheet is nearer");
         assert!(!facing.looks_away(&down, [-DVec3::Z; 3].into_iter()), "all corners lie on the lower sheet");
         assert!(facing.looks_away(&down, [-DVec3::Z, -DVec3::Z, DVec3::Z].into_iter()));
+        let double = sheets(1e-6);
+        let facing = Facing::new(&double);
+        let flat = [[0.4, 0.4], [0.6, 0.4], [0.5, 0.6]].map(|[x, y]| DVec3::from(double.frame().to_unit([x, y, 0.0])));
+        assert!(!facing.looks_away(&flat, unknown()), "both sheets are equally near");
+        assert!(!facing.looks_away(&[flat[0], flat[2], flat[1]], unknown()));
     }
 }

@@ -3,7 +3,8 @@
 //! # Theory
 //! Smoothing draws vertices to where their faces are nearest to squares on average; a folded face may be stuck there, and a
 //! face that is turned over has a good shape. Here what counts is how much the faces at a vertex lack of a measure, squared and
-//! summed: the smaller of shape and scaled Jacobian, and where a corner looks away from the surface its area, negative. The
+//! summed: the smaller of shape and scaled Jacobian, and where a corner looks away from the surface its area, negative; so is
+//! a face's measure that looks away from the surface nearest to its middle, as one may that spans a part thinner than a tile. The
 //! vertex tries places about it (a pattern search): on the surface, or, where it lies on a feature curve, along that, between
 //! its neighbours there. Corners stay, and so do curves at which sheets meet. The least measure about a vertex never falls,
 //! unless faces look away.

@@ -5,6 +5,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
+/// Triangles whose distances from a point differ by no more than this, in diagonals of the surface, are equally near to it:
+/// coordinates are rounded to 6e-8.
+pub(crate) const EQUALLY_NEAR: f64 = 1e-6;
+
 /// A segment or a triangle.
 #[derive(Clone, Copy)]
 pub(crate) struct Simplex<const CORNERS: usize> {
@@ -126,6 +130,14 @@ impl Triangles {
             }
         }
         best
+    }
+
+    /// The triangles that are no farther than this from a point.
+    pub fn within(&self, point: DVec3, distance: f64) -> impl Iterator<Item = u32> {
+        let ids = move |slice: &'_ Slice| {
+            slice.tree.within(point, distance).map(|found| slice.ids[found.id as usize]).collect::<Vec<u32>>()
+        };
+        self.0.iter().flat_map(ids)
     }
 }
 
