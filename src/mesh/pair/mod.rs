@@ -16,9 +16,9 @@
 //! The paper has nothing of this; see design section 8 ("beyond the paper").
 //!
 //! # Practice
-//! The eight models and the example at 6,000 points (judged by an independent meter): Qr 0.977 before all clean-up, 0.990
-//! after, Qg 0.952, irregular vertices 2.3 %; with [`Quads::All`] Qr 1, Qg 0.937, 2.9 %. At 60,000 points m6_gen, spot and
-//! fandisk have Qr 0.997, 0.993 and 0.996, and Qg 0.984, 0.969 and 0.977.
+//! The eight models and the example at 6,000 points (judged by an independent meter): Qr 0.977 before all clean-up, 0.991
+//! after, Qg 0.951, irregular vertices 2.3 %; with [`Quads::All`] Qr 1, Qg 0.937, 3.0 %. At 60,000 points m6_gen, spot and
+//! fandisk have Qr 0.997, 0.993 and 0.997, and Qg 0.984, 0.969 and 0.977.
 //!
 //! The price of a triangle weighs Qr against Qg: 0.5, 0.7 and 0.8 gave plane Qr 0.968, 0.973 and 0.975, and Qg 0.915, 0.913 and
 //! 0.912; 0.5, 0.7 and 1 gave anchor 0.987, 0.991 and 0.994, and 0.957, 0.956 and 0.954.
