@@ -16,6 +16,7 @@ pub mod paper {}
 pub mod picture;
 pub mod pipeline;
 pub mod report;
+mod sets;
 pub mod sizes;
 pub mod study;
 pub mod surface;

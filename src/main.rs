@@ -3,6 +3,9 @@ mod cli;
 use clap::Parser;
 use std::process::ExitCode;
 
+/// The exit code where `--strict` refuses a mesh.
+const UNSOUND: u8 = 3;
+
 fn main() -> ExitCode {
     hush_the_vulkan_loader();
     match cli::run(cli::Arguments::parse()) {
@@ -13,7 +16,7 @@ fn main() -> ExitCode {
                 usage.exit();
             }
             eprintln!("error: {}", sentence(&error));
-            ExitCode::FAILURE
+            if error.is::<cli::Unsound>() { ExitCode::from(UNSOUND) } else { ExitCode::FAILURE }
         }
     }
 }

@@ -7,24 +7,19 @@
 
 use crate::compute::{Backend, ComputeError};
 use crate::field::{Align, Field, FieldOptions, Stretch, StretchError};
-use crate::mesh::clean::{CleanCounts, CleanOptions, clean};
+use crate::mesh::check::Faults;
+use crate::mesh::compare::Difference;
 use crate::mesh::connect::{ConnectOptions, connect};
-use crate::mesh::facing::Facing;
+use crate::mesh::connectivity::{ConnectivityOptions, EditCounts, Quads, optimise, untangle};
 use crate::mesh::fill::{Holes, fill};
-use crate::mesh::follow::follow;
-use crate::mesh::join::{Joined, join};
-use crate::mesh::pair::upright::upright;
-use crate::mesh::pair::{PairCounts, PairOptions, Paired, Quads, pair};
-use crate::mesh::regions::with_regions;
-use crate::mesh::smooth::{Smoothed, smooth_in};
-use crate::mesh::touch_up::touch_up;
+use crate::mesh::finish::{Finished, finish, joined};
+use crate::mesh::relocate::relocate;
 use crate::mesh::triangulate::triangulate;
-use crate::mesh::unfold::{split_folded, unfold};
-use crate::mesh::{Mesh, Metric, Triangulation};
+use crate::mesh::{Context, Mesh, SurfaceMesh, Triangulation};
 use crate::mosaic::fitting::{bounded, fitting};
 use crate::mosaic::{self, Effort, Layer, Mosaic, Rows};
 use crate::sizes::{SizeOptions, Sizes, SizesError};
-use crate::surface::{FeatureOptions, NONE, NamedEdge, Soup, Surface, SurfaceError};
+use crate::surface::{FeatureOptions, NamedEdge, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -64,11 +59,9 @@ pub struct Options {
     pub connect: ConnectOptions,
     /// What to do with holes.
     pub holes: Holes,
-    /// The clean-up; `None`: the mesh stays as the filling leaves it.
-    pub cleanup: Option<CleanOptions>,
-    /// The pairing of triangles that the clean-up leaves; `None`: they stay.
-    pub pairing: Option<PairOptions>,
-    /// Passes of smoothing after the clean-up. Default 6; 0: vertices stay where the tiles were.
+    /// How the connectivity is optimised; `None`: the mesh stays as the filling leaves it.
+    pub connectivity: Option<ConnectivityOptions>,
+    /// Passes of relocation. Default 6; 0: vertices stay where the tiles were.
     pub smoothing: usize,
 }
 
@@ -87,10 +80,17 @@ impl Options {
             sizes: SizeOptions::default(),
             connect: ConnectOptions::default(),
             holes: Holes::default(),
-            cleanup: Some(CleanOptions::default()),
-            pairing: Some(PairOptions::default()),
+            connectivity: Some(ConnectivityOptions::default()),
             smoothing: 6,
         }
+    }
+}
+
+impl Options {
+    /// The same with the paper's clean-up alone.
+    pub fn with_paper_clean_up(self) -> Self {
+        let paper = ConnectivityOptions { quads: Quads::Paper, ..self.connectivity.unwrap_or_default() };
+        Self { connectivity: Some(paper), ..self }
     }
 }
 
@@ -107,12 +107,12 @@ pub enum Stage {
     Connect,
     /// Splitting holes.
     Fill,
-    /// Topological clean-up.
-    Clean,
-    /// Pairing of the triangles that are left.
-    Pair,
-    /// Smoothing.
-    Smooth,
+    /// Optimising the connectivity: clean-up, pairing of triangles, cutting poor quads anew.
+    Connectivity,
+    /// Relocation of vertices, and mending of faults.
+    Relocate,
+    /// Regions, joined sheets, comparison with the surface.
+    Finish,
 }
 
 impl Stage {
@@ -124,9 +124,9 @@ impl Stage {
             Self::Mosaic => "mosaic",
             Self::Connect => "connect",
             Self::Fill => "fill",
-            Self::Clean => "clean",
-            Self::Pair => "pair",
-            Self::Smooth => "smooth",
+            Self::Connectivity => "connectivity",
+            Self::Relocate => "relocate",
+            Self::Finish => "finish",
         }
     }
 }
@@ -162,45 +162,37 @@ pub struct Outcome {
     pub mosaic: Mosaic,
     /// Their triangulation.
     pub triangulation: Triangulation,
-    /// The mesh before clean-up, in model units.
-    pub before: Mesh,
-    /// The mesh, in model units.
-    pub mesh: Mesh,
-    /// Whether sheets of the surface meet at each of its vertices.
-    pub branches: Vec<bool>,
-    /// Holes of the connected mosaic, before they were filled.
-    pub holes: usize,
-    /// What the clean-up did.
-    pub cleaned: Option<CleanCounts>,
-    /// What the pairing of triangles did.
-    pub paired: Option<PairCounts>,
+    /// How the tiles became a mesh.
+    pub meshed: Meshed,
     /// How long each stage took.
     pub times: Vec<(Stage, Duration)>,
 }
 
-/// The price of irregular vertices where rows pass over the whole surface: see [`PairOptions::regularity`].
-const REGULARITY: f64 = 1.0;
-/// Sweeps of the field that sides follow: they draw its angle to a harmonic one, which sides can fit. With 10, 60 and 150 of
-/// them and continuous rows Qg was 0.944, 0.948 and 0.952 on spot and 0.942, 0.945 and 0.946 on holes_cgal.
-const HARMONIC_SWEEPS: u32 = 150;
-/// Passes of smoothing before the pairing.
-const CALMING: usize = 2;
-
 /// What connecting tiles gives: a part of [`Outcome`].
 pub struct Meshed {
-    /// The mesh before clean-up, in model units.
+    /// The mesh before its connectivity was optimised, in model units.
     pub before: Mesh,
+    /// Holes of the connected mosaic, before they were filled.
+    pub holes: usize,
+    /// The edits of the connectivity; `None` where none were asked for.
+    pub edits: Option<EditCounts>,
     /// The mesh, in model units.
     pub mesh: Mesh,
     /// Whether sheets of the surface meet at each of its vertices.
     pub branches: Vec<bool>,
-    /// Holes of the connected mosaic, before they were filled.
-    pub holes: usize,
-    /// What the clean-up did.
-    pub cleaned: Option<CleanCounts>,
-    /// What the pairing of triangles did.
-    pub paired: Option<PairCounts>,
+    /// The mesh's broken invariants, each with its place in model units.
+    pub faults: Faults,
+    /// What the mesh as a whole has otherwise than the surface.
+    pub differences: Vec<Difference>,
 }
+
+/// The price of irregular vertices where rows are continuous: see [`ConnectivityOptions::regularity`].
+const REGULARITY: f64 = 1.0;
+/// Sweeps of the field that sides follow: they draw its angle to a harmonic one, which sides can fit. With 10, 60 and 150 of
+/// them and continuous rows Qg was 0.944, 0.948 and 0.952 on spot and 0.942, 0.945 and 0.946 on holes_cgal.
+const HARMONIC_SWEEPS: u32 = 150;
+/// Rounds of mending and relocation at most.
+const MENDING_ROUNDS: usize = 3;
 /// Sizes are seen at vertices, and where these show small ones the surface gets more vertices: so often at most.
 const ROUNDS_OF_SIZES: usize = 4;
 
@@ -230,11 +222,10 @@ pub fn run(
 
     clock.begin(Stage::Connect);
     let triangulation = triangulate(&surface, &field, &mosaic);
-    let Meshed { before, mesh, branches, holes, cleaned, paired } =
-        meshed(&surface, &mosaic, &triangulation, options, &mut clock);
+    let meshed = meshed(&surface, &mosaic, &triangulation, options, &mut clock);
 
     let times = clock.finish();
-    Ok(Outcome { surface, field, mosaic, triangulation, before, mesh, branches, holes, cleaned, paired, times })
+    Ok(Outcome { surface, field, mosaic, triangulation, meshed, times })
 }
 
 /// Connects tiles that are triangulated already: as [`run`] does, but for what comes before.
@@ -250,78 +241,56 @@ fn meshed(
     options: &Options,
     clock: &mut Clock,
 ) -> Meshed {
+    let context = Context::new(surface);
     let edges = connect(triangulation, &options.connect);
 
     clock.begin(Stage::Fill);
-    let (filled, holes) = fill(triangulation, &edges, options.holes);
+    let (mut mesh, holes) = fill(&context, triangulation, &edges, options.holes);
+    let before = joined(&context, &mesh, triangulation);
 
-    clock.begin(Stage::Clean);
-    let anchors = triangulation.anchors();
-    let (cleaned, counts) = match &options.cleanup {
-        Some(cleanup) => {
-            let (mesh, counts) = clean(&filled, &anchors, cleanup);
-            (mesh, Some(counts))
-        }
-        None => (filled.clone(), None),
-    };
+    clock.begin(Stage::Connectivity);
+    let connectivity = connectivity(options, &before);
+    let mut edits = connectivity.map(|connectivity| optimise(&context, &mut mesh, &connectivity));
 
-    let kept: Vec<u32> =
-        counts.as_ref().map_or_else(|| (0..filled.points.len() as u32).collect(), |counts| counts.kept.clone());
-    let below = triangulation.free_triangles(&kept);
-
-    clock.begin(Stage::Pair);
-    let (quads, below, mut kept, features, metric, mut pairs) = match &options.pairing {
-        Some(pairing) => {
-            // Drafts are judged by what smoothing makes of them, so what they are compared with is smoothed too.
-            let anchors = anchors.of(&kept);
-            let calm = smooth_in(&Metric::new(&anchors), surface, &cleaned, &below, options.smoothing.min(CALMING));
-            let excess = match options.fineness {
-                Fineness::Points(count) => join_count(&triangulation.joints(&kept)) as i64 - count as i64,
-                Fineness::Size(_) | Fineness::Sampled => 0,
-            };
-            let regularity = match options.rows {
-                Rows::Paper => pairing.regularity,
-                Rows::Continuous => pairing.regularity.max(REGULARITY),
-            };
-            let Paired { mesh, kept: of_cleaned, below, features, metric, counts } =
-                pair(surface, &calm.mesh, &anchors, &calm.below, &PairOptions { excess, regularity, ..*pairing });
-            let kept = of_cleaned.iter().map(|&v| kept.get(v as usize).copied().unwrap_or(NONE)).collect();
-            (mesh, below, kept, features, metric, Some(counts))
-        }
-        None => {
-            let anchors = anchors.of(&kept);
-            let metric = Metric::new(&anchors);
-            (cleaned, below, kept, anchors.feature_edges, metric, None)
-        }
-    };
-
-    clock.begin(Stage::Smooth);
-    let mut smoothed = smooth_in(&metric, surface, &quads, &below, options.smoothing);
-    let facing = Facing::new(surface);
-    if options.smoothing > 0 {
-        smoothed = follow(&metric, surface, &unfold(&metric, &facing, &smoothed));
-        smoothed = follow(&metric, surface, &touch_up(&metric, surface, &smoothed));
+    clock.begin(Stage::Relocate);
+    relocate(&context, &mut mesh, options.smoothing);
+    if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits) {
+        mend(&context, &mut mesh, &connectivity, options.smoothing, edits);
     }
-    if let (Some(pairing), Some(counts)) = (&options.pairing, &mut pairs)
-        && let Some(uprighted) = upright(&metric, &facing, &smoothed, &features, pairing)
-    {
-        kept = uprighted.kept.iter().map(|&v| kept.get(v as usize).copied().unwrap_or(NONE)).collect();
-        counts.set_upright = uprighted.count;
-        smoothed = uprighted.smoothed;
-    }
-    let Smoothed { mesh: smoothed, below } = smoothed;
-    let all_quads = options.pairing.is_some_and(|pairing| pairing.quads == Quads::All);
-    let smoothed = if all_quads { smoothed } else { split_folded(smoothed) };
-    let before = join(&filled, &triangulation.same_place).mesh;
-    let named = with_regions(&smoothed, surface, mosaic, &below, &kept);
-    let Joined { mesh, branches } = join(&named, &triangulation.joints(&kept));
-    let [before, mesh] = [before, mesh].map(|mesh| mesh.placed(surface.frame()));
-    Meshed { before, mesh, branches, holes, cleaned: counts, paired: pairs }
+
+    clock.begin(Stage::Finish);
+    let Finished { mesh, branches, faults, differences } = finish(&context, &mesh, mosaic, triangulation);
+    Meshed { before, holes, edits, mesh, branches, faults, differences }
 }
 
-/// The number of vertices once those at one place are one; `joints` names the first at the place of each.
-fn join_count(joints: &[u32]) -> usize {
-    (0..).zip(joints).filter(|&(v, &first)| v == first).count()
+/// The options of the connectivity, with what the mesh before and the other options add to them.
+fn connectivity(options: &Options, before: &Mesh) -> Option<ConnectivityOptions> {
+    let given = options.connectivity?;
+    let excess = match options.fineness {
+        Fineness::Points(count) => before.points.len() as i64 - count as i64,
+        Fineness::Size(_) | Fineness::Sampled => 0,
+    };
+    let regularity = match options.rows {
+        Rows::Paper => given.regularity,
+        Rows::Continuous => given.regularity.max(REGULARITY),
+    };
+    Some(ConnectivityOptions { excess, regularity, ..given })
+}
+
+/// Mends faults in turns with relocation, until there are none or nothing helps.
+fn mend(
+    context: &Context,
+    mesh: &mut SurfaceMesh,
+    options: &ConnectivityOptions,
+    passes: usize,
+    edits: &mut EditCounts,
+) {
+    for _ in 0..MENDING_ROUNDS {
+        if !untangle(context, mesh, options, edits) {
+            break;
+        }
+        relocate(context, mesh, passes);
+    }
 }
 
 /// The surface, with the features that tiles so fine can show, how large they are to be, and how many vertices are wanted.

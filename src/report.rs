@@ -3,10 +3,9 @@
 use crate::compute::Backend;
 use crate::field::{self, Field, GuideReport, Seat, StretchReport};
 use crate::mesh::Mesh;
-use crate::mesh::check::{Faults, Kind, check, check_joined};
-use crate::mesh::clean::CleanCounts;
+use crate::mesh::check::{Faults, Kind, check};
 use crate::mesh::compare::{Comparison, Difference, check_against};
-use crate::mesh::pair::PairCounts;
+use crate::mesh::connectivity::EditCounts;
 use crate::mesh::quality::Quality;
 use crate::mesh::triangulate::Triangulation;
 use crate::mosaic::phases::RowEnds;
@@ -18,7 +17,7 @@ use serde::Serialize;
 use std::time::Duration;
 
 /// The version of [`Report`]'s fields. It grows when a field changes its meaning or goes; new fields leave it as it is.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 const PROGRAM: &str = concat!("quadmosaic ", env!("CARGO_PKG_VERSION"));
 
@@ -45,12 +44,12 @@ pub struct Report {
     pub mesh: Quality,
     /// Irregular vertices of the mesh, and those that the field demands.
     pub regularity: Regularity,
-    /// What the clean-up did; absent where there was none.
-    pub cleaned: Option<CleanCounts>,
-    /// What the pairing of triangles did; absent where there was none.
-    pub paired: Option<PairCounts>,
+    /// The edits of the connectivity; absent where none were asked for.
+    pub edits: Option<EditCounts>,
     /// Broken invariants of the mesh, each with its place in model units.
     pub faults: Faults,
+    /// What the mesh as a whole has otherwise than the surface.
+    pub differences: Vec<Difference>,
     /// How long each stage took, in order.
     pub times: Vec<Time>,
     /// Milliseconds of all stages together.
@@ -202,9 +201,9 @@ pub struct Time {
 impl Report {
     /// Measures and checks what [`run`](crate::pipeline::run) made of the surface called `name`.
     pub fn new(name: &str, options: &Options, backend: &dyn Backend, outcome: &Outcome) -> Self {
-        let surface = &outcome.surface;
+        let (surface, meshed) = (&outcome.surface, &outcome.meshed);
         let times: Vec<Time> = outcome.times.iter().map(|&(stage, time)| Time::new(stage.name(), time)).collect();
-        let mesh = Quality::of(&outcome.mesh);
+        let mesh = Quality::of(&meshed.mesh);
         Self {
             version: VERSION,
             program: PROGRAM.to_owned(),
@@ -215,16 +214,16 @@ impl Report {
             mosaic: Tiles {
                 tiles: outcome.mosaic.count(),
                 on_features: outcome.mosaic.sites.len(),
-                holes: outcome.holes,
+                holes: meshed.holes,
                 row_ends: outcome.mosaic.row_ends,
                 sides: Sides::of(&outcome.triangulation),
             },
-            before: Quality::of(&outcome.before),
+            before: Quality::of(&meshed.before),
             regularity: Regularity::of(surface, &outcome.field, &mesh),
             mesh,
-            cleaned: outcome.cleaned.clone(),
-            paired: outcome.paired,
-            faults: check_joined(&outcome.mesh, &outcome.branches),
+            edits: meshed.edits,
+            faults: meshed.faults.clone(),
+            differences: meshed.differences.clone(),
             total_milliseconds: total(&times),
             times,
         }

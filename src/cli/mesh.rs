@@ -13,8 +13,8 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::export::write_obj;
 use quadmosaic::mesh::connect::ConnectOptions;
+use quadmosaic::mesh::connectivity::{self, ConnectivityOptions};
 use quadmosaic::mesh::fill;
-use quadmosaic::mesh::pair::{self, PairOptions};
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
@@ -62,6 +62,10 @@ pub struct Arguments {
     /// Leave the mesh as the filling of holes makes it, with its triangles
     #[arg(long, conflicts_with = "quads", help_heading = "Connection")]
     no_cleanup: bool,
+    /// Write no file, and end with exit code 3, where the mesh has a fault or other parts, boundaries or handles than the
+    /// surface; without it that is a warning
+    #[arg(long, help_heading = "Connection")]
+    strict: bool,
     /// Passes of smoothing at the end, 0 to 1000
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
     smoothing: usize,
@@ -131,14 +135,18 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let outcome = outcome.context(name.clone())?;
 
     let (report, measuring) = timed(|| Report::new(&name, &options, &*backend, &outcome));
-    let (written, writing) = timed(|| write_obj(&arguments.output, &outcome.mesh));
+    let wrong = summary::wrong(&report);
+    if let (true, Some(wrong)) = (arguments.strict, &wrong) {
+        return Err(Unsound(format!("{} was not written: {wrong}", arguments.output.display())).into());
+    }
+    let (written, writing) = timed(|| write_obj(&arguments.output, &outcome.meshed.mesh));
     written?;
     let report = report.with_times(
         &[("read", reading), ("device", opening + compiling)],
         &[("measure", measuring), ("write", writing)],
     );
     if let Some(path) = &arguments.picture {
-        write_picture(path, &mesh_scene(&outcome.mesh, Paint::Sides), &View::default(), picture::SIZE)?;
+        write_picture(path, &mesh_scene(&outcome.meshed.mesh, Paint::Sides), &View::default(), picture::SIZE)?;
     }
     if let Some(path) = &arguments.report {
         write_json(path, &report)?;
@@ -149,8 +157,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     warn_of(outcome.field.guides());
     warn_of_stretch(report.field.stretch.as_ref());
     warn_of_repairs(&report.surface.repairs);
-    if !report.faults.is_clean() {
-        eprintln!("warning: {} has {}", arguments.output.display(), report.faults);
+    if let Some(wrong) = wrong {
+        eprintln!("warning: {}: {wrong}", arguments.output.display());
     }
     if let Some(warning) = count_warning(&report) {
         eprintln!("warning: {warning}");
@@ -219,18 +227,24 @@ impl Arguments {
                 Holes::Triangles => fill::Holes::Triangles,
                 Holes::Leave => fill::Holes::Leave,
             },
-            cleanup: defaults.cleanup.filter(|_| !self.no_cleanup),
-            pairing: match self.quads {
-                _ if self.no_cleanup => None,
-                Quads::Paper => None,
-                Quads::Most => defaults.pairing,
-                Quads::All => Some(PairOptions { quads: pair::Quads::All, ..PairOptions::default() }),
-            },
+            connectivity: (!self.no_cleanup).then(|| ConnectivityOptions {
+                quads: match self.quads {
+                    Quads::Paper => connectivity::Quads::Paper,
+                    Quads::Most => connectivity::Quads::Most,
+                    Quads::All => connectivity::Quads::All,
+                },
+                ..ConnectivityOptions::default()
+            }),
             smoothing: self.smoothing,
             ..defaults
         })
     }
 }
+
+/// The mesh is not what the surface asks for, and only that was wanted.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Unsound(String);
 
 fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
@@ -246,7 +260,7 @@ struct Progress {
 impl Progress {
     fn new(quiet: bool) -> Self {
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(100) };
-        let style = ProgressStyle::with_template("{msg:8} {bar:40} {percent:>3} %").expect("the template is right");
+        let style = ProgressStyle::with_template("{msg:12} {bar:40} {percent:>3} %").expect("the template is right");
         Self { bar: bar.with_style(style) }
     }
 

@@ -18,6 +18,7 @@ mod summary;
 mod weave;
 
 use clap::{Parser, Subcommand};
+pub use mesh::Unsound;
 
 /// Turns a triangle surface into a quad-dominant mesh whose rows follow its features and your guides.
 #[derive(Parser)]

@@ -1,7 +1,7 @@
 //! Figures for a person: a name and what there is to say, a line each.
 
 use quadmosaic::mesh::compare::{Comparison, Difference, Farthest, FeatureDistance};
-use quadmosaic::mesh::pair::PairCounts;
+use quadmosaic::mesh::connectivity::EditCounts;
 use quadmosaic::mesh::quality::{Quality, Spread};
 use quadmosaic::report::{Against, Asked, CheckReport, FieldFigures, FieldReport, Input, MosaicReport, Report};
 use quadmosaic::surface::{Repairs, shown};
@@ -24,8 +24,8 @@ pub fn of_run(report: &Report) -> String {
         ("Jacobian", jacobian(mesh)),
         ("irregular", format!("{}, {} demanded by the field", irregular(mesh), report.regularity.demanded)),
         ("holes", holes),
-        ("pairing", report.paired.map_or("none".to_owned(), pairing)),
-        ("check", report.faults.to_string().lines().take(1).collect()),
+        ("edits", report.edits.map_or("none".to_owned(), edits)),
+        ("check", checked(report)),
         ("backend", format!("{}, {}", backend.name, backend.adapter)),
         ("time", format!("{:.0} ms: {}", report.total_milliseconds, times.join(", "))),
     ])
@@ -196,20 +196,46 @@ fn faces(mesh: &Quality) -> String {
     format!("{}, {}{larger}", counted(mesh.quads, "quad"), counted(mesh.triangles, "triangle"))
 }
 
-fn pairing(counts: PairCounts) -> String {
-    let PairCounts { met, rows_out, rows_in, triangles_before, triangles_after, .. } = counts;
-    let added: String = [(counts.on_boundaries, "open boundaries"), (counts.on_features, "features")]
-        .into_iter()
-        .filter(|(count, _)| *count > 0)
-        .map(|(count, place)| format!(", {} added on {place}", counted(count, "vertex")))
-        .collect();
-    let ways = match [counts.ways_out, counts.ways_in] {
-        [0, 0] => String::new(),
-        [out, put_in] => format!(", {out} ways out, {put_in} in"),
-    };
-    format!(
-        "triangles {triangles_before} -> {triangles_after}: {met} met, {rows_out} rows out, {rows_in} in{ways}{added}"
-    )
+fn edits(counts: EditCounts) -> String {
+    let EditCounts { triangles_before, triangles_after, .. } = counts;
+    let made = [
+        (counts.merged, "pair merged"),
+        (counts.recut_rows, "row recut"),
+        (counts.recut_fans, "fan recut"),
+        (counts.removed, "vertex removed"),
+        (counts.met, "pair met"),
+        (counts.rows_out, "row taken out"),
+        (counts.rows_in, "row put in"),
+        (counts.strips_out, "strip taken out"),
+        (counts.strips_in, "strip put in"),
+        (counts.flipped, "edge flipped"),
+        (counts.collapsed, "face collapsed"),
+        (counts.dissolved, "vertex dissolved"),
+        (counts.split, "quad split"),
+        (counts.on_boundaries, "vertex added on boundaries"),
+        (counts.on_features, "vertex added on features"),
+    ];
+    let made = made.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| {
+        let (noun, done) = what.split_once(' ').unwrap_or((what, ""));
+        format!("{} {done}", counted(count, noun))
+    });
+    let said: Vec<String> = std::iter::once(format!("triangles {triangles_before} -> {triangles_after}")).chain(made).collect();
+    said.join(", ")
+}
+
+/// What the check of a run looked at, and what it found.
+fn checked(report: &Report) -> String {
+    let found: String = report.faults.to_string().lines().take(1).collect();
+    let other = if report.differences.is_empty() { "as the surface" } else { "other than the surface" };
+    format!("{found}; {other}")
+}
+
+/// What is wrong with the mesh of a run, with places.
+pub fn wrong(report: &Report) -> Option<String> {
+    let faults = (!report.faults.is_clean()).then(|| report.faults.to_string());
+    let said: Vec<String> =
+        report.differences.iter().map(ToString::to_string).chain(faults).collect();
+    (!said.is_empty()).then(|| said.join("; "))
 }
 
 fn spread(measure: Option<Spread>) -> String {

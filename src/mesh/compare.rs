@@ -25,16 +25,20 @@
 //! told once is not told again: an edge of more than two faces is not misoriented too, and a degenerate quad not concave.
 
 use super::check::{Fault, Faults, Kind, check, check_joined, sort};
+use super::orientation::Orientation;
 use super::quality::percentile;
 use super::topology::Connections;
 use super::{Mesh, Topology};
-use crate::surface::nearest::{EQUALLY_NEAR, Simplex, Simplices};
-use crate::surface::{Frame, Surface};
-use glam::DVec3;
+use crate::surface::nearest::Simplices;
+use crate::surface::{Frame, Surface, shown};
+use glam::{DVec3, IVec3};
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 use serde::Serialize;
 use std::fmt;
 
+/// A part of the surface that is farther from the mesh than this is lost, in mean edge lengths of the mesh.
+const UNCOVERED: f64 = 1.0;
 /// A vertex that is so near to a place where the surface's sheets meet, in mean edge lengths, is on it.
 const ON_JOINT: f64 = 0.25;
 /// A boundary of the mesh whose vertices are farther than this from the surface's, in the mean and in mean edge lengths, is
@@ -107,6 +111,8 @@ pub enum Difference {
     BoundaryLoops { mesh: usize, surface: usize },
     /// The numbers of pieces.
     Components { mesh: usize, surface: usize },
+    /// A place of the surface is so many mean edge lengths from the mesh, more than one: a part of it is lost.
+    Uncovered { distance: f64, at: [f64; 3] },
 }
 
 impl fmt::Display for Difference {
@@ -124,6 +130,9 @@ impl fmt::Display for Difference {
             }
             Self::Components { mesh, surface } => {
                 write!(f, "the number of components is {mesh}, the surface's {surface}")
+            }
+            Self::Uncovered { distance, at } => {
+                write!(f, "the surface at {} is {distance:.1} edge lengths from the mesh", shown(&at))
             }
         }
     }
@@ -167,6 +176,67 @@ pub fn check_against(mesh: &Mesh, surface: &Surface) -> (Faults, Option<Comparis
     (faults, Some(comparison))
 }
 
+/// What a mesh as a whole has otherwise than the surface that it was made of; the mesh is unit-sized.
+pub(crate) fn differences_of(mesh: &Mesh, surface: &Surface) -> Vec<Difference> {
+    let connections = Connections::of(mesh);
+    let ground = match surface.shared_places().contains(&true) {
+        true => Connections::of(&as_mesh(surface)).topology,
+        false => Topology::of(surface),
+    };
+    differences(connections.topology, ground)
+}
+
+/// The farthest vertex of the surface from the mesh that was made of it, where that is more than an edge length; the mesh is
+/// unit-sized.
+pub(crate) fn uncovered(mesh: &Mesh, surface: &Surface) -> Option<Difference> {
+    let lengths = mesh.lengths(&mesh.edges());
+    let edge = lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
+    // Nearly every vertex of the surface has one of the mesh nearby; the others are measured.
+    let cell = |p: DVec3| (p / edge).floor().as_ivec3();
+    let mut cells: FxHashMap<IVec3, Vec<u32>> = FxHashMap::default();
+    (0..mesh.points.len() as u32).for_each(|v| cells.entry(cell(mesh.place(v))).or_default().push(v));
+    let is_near = |p: DVec3| {
+        let own = cell(p);
+        let around = (0..27).map(|k| own + IVec3::new(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1));
+        let vertices = around.filter_map(|cell| cells.get(&cell)).flatten();
+        vertices.into_iter().any(|&v| mesh.place(v).distance_squared(p) < edge * edge)
+    };
+    let point = |v: u32| DVec3::from(surface.point(v));
+    let all = (0..surface.vertex_count() as u32).into_par_iter().with_min_len(1024);
+    let far: Vec<u32> = all.filter(|&v| !is_near(point(v))).collect();
+    if far.is_empty() {
+        return None;
+    }
+    let faces = fan(mesh);
+    let measured = far.par_iter().map(|&v| (faces.distance(point(v)) / edge, v));
+    let (distance, v) = measured.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
+    let at = surface.frame().near(surface.point(v));
+    (distance > UNCOVERED).then_some(Difference::Uncovered { distance, at })
+}
+
+/// The surface as a mesh, its sheets joined.
+fn as_mesh(surface: &Surface) -> Mesh {
+    let mut mesh = Mesh::new((0..surface.vertex_count() as u32).map(|v| surface.point(v)).collect());
+    for triangle in &surface.triangles {
+        mesh.push_face(&triangle.map(|v| surface.same_place(v)));
+    }
+    mesh
+}
+
+fn differences(mesh: Topology, surface: Topology) -> Vec<Difference> {
+    let euler = Difference::Euler { mesh: mesh.euler, surface: surface.euler };
+    let loops = Difference::BoundaryLoops { mesh: mesh.boundary_loops, surface: surface.boundary_loops };
+    let components = Difference::Components { mesh: mesh.components, surface: surface.components };
+    [
+        (euler, mesh.euler != surface.euler),
+        (loops, mesh.boundary_loops != surface.boundary_loops),
+        (components, mesh.components != surface.components),
+    ]
+    .into_iter()
+    .filter_map(|(difference, is_one)| is_one.then_some(difference))
+    .collect()
+}
+
 /// Points and how far each is from something, in mean edge lengths.
 struct Distances {
     points: Vec<DVec3>,
@@ -186,9 +256,9 @@ impl Distances {
 }
 
 /// The surface, its sheets joined, in unit-sized coordinates.
-struct Ground {
+struct Ground<'a> {
     mesh: Mesh,
-    triangles: Simplices<3>,
+    orientation: Orientation<'a>,
     /// Its boundaries.
     boundaries: Simplices<2>,
     /// Where more than two triangles meet at an edge, or more than one fan at a vertex, which is a segment without length.
@@ -196,24 +266,27 @@ struct Ground {
     topology: Topology,
 }
 
-impl Ground {
-    fn new(surface: &Surface) -> Self {
-        let mut mesh = Mesh::new((0..surface.vertex_count() as u32).map(|v| surface.point(v)).collect());
-        for triangle in &surface.triangles {
-            mesh.push_face(&triangle.map(|v| surface.same_place(v)));
-        }
+impl<'a> Ground<'a> {
+    fn new(surface: &'a Surface) -> Self {
+        let orientation = Orientation::new(surface);
+        let (mesh, _) = rayon::join(|| as_mesh(surface), || orientation.triangles().nearest(DVec3::ZERO));
         let Connections { edges, fans, topology, .. } = Connections::of(&mesh);
         let segment = |ends: [u32; 2]| ends.map(|end| mesh.place(end));
         let boundaries = edges.iter().filter(|edge| edge.is_boundary()).map(|edge| segment(edge.ends));
         let branching = edges.iter().filter(|edge| edge.along + edge.against > 2).map(|edge| segment(edge.ends));
         let pinched = (0..).zip(&fans).filter(|(_, fans)| **fans > 1).map(|(v, _)| segment([v; 2]));
         Self {
-            triangles: fan(&mesh),
+            orientation,
             boundaries: Simplices::new(boundaries),
             joints: Simplices::new(branching.chain(pinched)),
             topology,
             mesh,
         }
+    }
+
+    /// How far a point is from it.
+    fn distance(&self, point: DVec3) -> f64 {
+        self.orientation.triangles().nearest(point).1
     }
 
     /// Its vertices and the middles of its triangles.
@@ -279,13 +352,13 @@ impl Comparand {
     /// How far the vertices in use are from the surface.
     fn vertices(&self, ground: &Ground) -> Distances {
         let points = self.used.iter().map(|&v| self.mesh.place(v)).collect();
-        self.distances(points, |point| ground.triangles.distance(point))
+        self.distances(points, |point| ground.distance(point))
     }
 
     /// How far the middles of the edges are from the surface.
     fn edges(&self, ground: &Ground) -> Distances {
         let middles = self.connections.edges.iter().map(|edge| self.mesh.middle(&edge.ends)).collect();
-        self.distances(middles, |point| ground.triangles.distance(point))
+        self.distances(middles, |point| ground.distance(point))
     }
 
     /// How far the middles of the faces are from the surface, and which faces look away from it.
@@ -293,17 +366,10 @@ impl Comparand {
         let of_face = |face: u32| {
             let corners = self.mesh.face(face as usize);
             let middle = self.mesh.middle(corners);
-            let (distance, nearest) = ground.triangles.nearest(middle)?;
-            let normal = self.normal(corners);
-            let away = |triangle: &Simplex<3>| {
-                let [a, b, c] = triangle.corners;
-                normal.dot((b - a).cross(c - a)) < 0.0
-            };
-            // Beside a sharp edge both of its sides may be nearest.
-            let flipped = away(nearest) && ground.triangles.within(middle, distance + EQUALLY_NEAR).all(away);
-            Some((middle, distance / self.mean_edge, flipped.then_some(face)))
+            let vote = ground.orientation.vote(self.normal(corners), middle);
+            (middle, vote.distance / self.mean_edge, vote.is_against.then_some(face))
         };
-        let found: Vec<_> = (0..self.mesh.face_count() as u32).into_par_iter().filter_map(of_face).collect();
+        let found: Vec<_> = (0..self.mesh.face_count() as u32).into_par_iter().map(of_face).collect();
         let flipped = found.iter().filter_map(|found| found.2).collect();
         let (points, distances) = found.into_iter().map(|(point, distance, _)| (point, distance)).unzip();
         (Distances { points, distances }, flipped)
@@ -327,20 +393,8 @@ impl Comparand {
         let high = places().fold(DVec3::NEG_INFINITY, DVec3::max);
         // The surface's is 1 in unit-sized coordinates.
         let ratio = low.distance(high);
-        let (mesh, surface) = (self.connections.topology, ground.topology);
-        let size = Difference::Size { ratio };
-        let euler = Difference::Euler { mesh: mesh.euler, surface: surface.euler };
-        let loops = Difference::BoundaryLoops { mesh: mesh.boundary_loops, surface: surface.boundary_loops };
-        let components = Difference::Components { mesh: mesh.components, surface: surface.components };
-        [
-            (size, !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio)),
-            (euler, mesh.euler != surface.euler),
-            (loops, mesh.boundary_loops != surface.boundary_loops),
-            (components, mesh.components != surface.components),
-        ]
-        .into_iter()
-        .filter_map(|(difference, is_one)| is_one.then_some(difference))
-        .collect()
+        let size = (!(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio)).then_some(Difference::Size { ratio });
+        size.into_iter().chain(differences(self.connections.topology, ground.topology)).collect()
     }
 
     /// How far points on the surface's features are from the mesh's edges.

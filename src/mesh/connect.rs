@@ -42,7 +42,7 @@ pub fn connect(triangulation: &Triangulation, options: &ConnectOptions) -> Vec<b
         faces.ring(v, &mut ring);
         // The best so far in each direction of the present side; a feature begins the next side.
         let mut best: Vec<(i32, f64, u32)> = Vec::new();
-        let start = ring.iter().position(|&h| faces.locked[h as usize]).unwrap_or(0);
+        let start = ring.iter().position(|&h| faces.is_feature(h)).unwrap_or(0);
         ring.rotate_left(start);
         let quarters = |edges: &[u32]| {
             let round: f64 = edges.iter().map(|&h| faces.width(h)).sum();
@@ -50,9 +50,9 @@ pub fn connect(triangulation: &Triangulation, options: &ConnectOptions) -> Vec<b
         };
         let mut directions = Directions::Round(quarters(&ring));
         for (i, &h) in ring.iter().enumerate() {
-            if faces.locked[h as usize] {
+            if faces.is_feature(h) {
                 settle(&mut best, &mut selected);
-                let next = ring[i + 1..].iter().position(|&h| faces.locked[h as usize]);
+                let next = ring[i + 1..].iter().position(|&h| faces.is_feature(h));
                 directions = Directions::Between(quarters(&ring[i..next.map_or(ring.len(), |next| i + 1 + next)]));
                 continue;
             }
@@ -74,7 +74,7 @@ pub fn connect(triangulation: &Triangulation, options: &ConnectOptions) -> Vec<b
     (0..faces.origin.len())
         .map(|h| {
             let t = faces.twin[h] as usize;
-            faces.locked[h] || t != NONE as usize && (selected[h] && allowed[t] || selected[t] && allowed[h])
+            faces.curve[h] != NONE || t != NONE as usize && (selected[h] && allowed[t] || selected[t] && allowed[h])
         })
         .collect()
 }

@@ -25,10 +25,12 @@
 //! degree. What lies inside a face is known from the [triangulation](super::triangulate): a face that is no disc, or of more
 //! sides than can be split at once, is cut along edges of the triangulation until it is.
 
-use super::Mesh;
-use super::intrinsic::{Intrinsic, next};
-use super::metric::{Metric, laid};
-use super::quality::{quad_shape, triangle_shape};
+use super::incidence::{sides, undirected};
+use super::intrinsic::{Intrinsic, next, previous};
+use super::metric::Metric;
+use super::objective::{Context, Measure};
+use super::polygon;
+use super::surface_mesh::SurfaceMesh;
 use super::triangulate::Triangulation;
 use crate::surface::NONE;
 use glam::DVec3;
@@ -50,42 +52,52 @@ pub enum Holes {
 const LARGEST: usize = 14;
 /// The cost of a triangle, against that of a quad of shape 0.
 const TRIANGLE: f64 = 1.0;
-/// The cost of a face that is concave or nearly so.
+/// The cost of a face that is a fault, or nearly concave.
 const FOLDED: f64 = 10.0;
-/// The cost of a face that faces away from its tiles: where the surface bends within a tile, all faces may have to.
-const AVERTED: f64 = 3.0;
+/// A quad of a smaller shape is nearly concave.
+const THIN: f64 = 0.05;
 
 /// The faces that the edges of the mesh enclose, holes treated as asked; and how many holes there were.
-pub fn fill(triangulation: &Triangulation, edges: &[bool], holes: Holes) -> (Mesh, usize) {
-    let mut filler = Filler::new(triangulation, edges);
-    let mut mesh = Mesh::new(triangulation.points.iter().map(|p| p.to_array()).collect());
-    let faces = &triangulation.faces;
-    let mut count = 0;
-    for face in 0..faces.face_count() as u32 {
-        if !filler.seen[face as usize] {
-            let region = filler.region(face);
-            count += filler.treat(region, holes, &mut mesh);
-        }
-    }
-    (mesh, count)
+pub fn fill(context: &Context, triangulation: &Triangulation, edges: &[bool], holes: Holes) -> (SurfaceMesh, usize) {
+    let mut filler = Filler::new(context, triangulation, edges, holes);
+    let count = (0..triangulation.faces.face_count() as u32)
+        .map(|face| {
+            let region = if filler.seen[face as usize] { Vec::new() } else { filler.region(face) };
+            if region.is_empty() { 0 } else { filler.treat(region) }
+        })
+        .sum();
+    (triangulation.surface_mesh(&filler.polygons), count)
 }
 
 struct Filler<'a> {
+    context: &'a Context<'a>,
     triangulation: &'a Triangulation,
     faces: &'a Intrinsic,
+    holes: Holes,
     edges: Vec<bool>,
     /// Triangles that a region has taken.
     seen: Vec<bool>,
+    /// Edges that are none of the triangulation, the smaller end first.
     chords: FxHashSet<[u32; 2]>,
     metric: Metric,
+    /// The faces of the mesh.
+    polygons: Vec<Vec<u32>>,
 }
 
 impl<'a> Filler<'a> {
-    fn new(triangulation: &'a Triangulation, edges: &[bool]) -> Self {
+    fn new(context: &'a Context, triangulation: &'a Triangulation, edges: &[bool], holes: Holes) -> Self {
         let faces = &triangulation.faces;
-        let seen = vec![false; faces.face_count()];
-        let metric = Metric::new(&triangulation.anchors());
-        Self { triangulation, faces, edges: edges.to_vec(), seen, chords: FxHashSet::default(), metric }
+        Self {
+            context,
+            triangulation,
+            faces,
+            holes,
+            edges: edges.to_vec(),
+            seen: vec![false; faces.face_count()],
+            chords: FxHashSet::default(),
+            metric: Metric::new(&triangulation.vertices, &triangulation.factors),
+            polygons: Vec::new(),
+        }
     }
 
     /// The triangles that are joined to this one across no edge of the mesh.
@@ -107,22 +119,19 @@ impl<'a> Filler<'a> {
     }
 
     /// Adds the region's faces to the mesh; returns how many holes it was, more than one where it was no disc.
-    fn treat(&mut self, region: Vec<u32>, holes: Holes, mesh: &mut Mesh) -> usize {
-        let Some(polygon) = self.polygon(&region) else {
-            return self.split_region(region, holes, mesh);
-        };
-        match (polygon.len(), holes) {
-            (3, _) => mesh.push_face(&polygon),
-            (4, _) if self.face_cost(&polygon) < FOLDED => mesh.push_face(&polygon),
-            (4, _) => self.split_polygon(&polygon, holes, mesh),
-            (_, Holes::Leave) => mesh.push_face(&polygon),
-            (_, Holes::Triangles) => self.split_polygon(&polygon, holes, mesh),
-            (k, Holes::Patterns) if k <= LARGEST => self.split_polygon(&polygon, holes, mesh),
+    fn treat(&mut self, region: Vec<u32>) -> usize {
+        let Some(polygon) = self.polygon(&region) else { return self.split_region(&region) };
+        let is_hole = polygon.len() > 4;
+        match (polygon.len(), self.holes) {
+            (3, _) => self.polygons.push(polygon),
+            (4, _) if self.face_cost(&polygon) < FOLDED => self.polygons.push(polygon),
+            (5.., Holes::Leave) => self.polygons.push(polygon),
+            (k, holes) if k <= LARGEST || holes == Holes::Triangles => self.split_polygon(&polygon, &region),
             _ => {
-                self.split_region(region, holes, mesh);
+                self.split_region(&region);
             }
         }
-        usize::from(polygon.len() > 4)
+        usize::from(is_hole)
     }
 
     /// The border of a region, where that is one loop that meets no vertex twice and leaves none inside.
@@ -150,7 +159,7 @@ impl<'a> Filler<'a> {
     }
 
     /// Makes the inner edge of a region that suits best an edge of the mesh and treats what is left on either side.
-    fn split_region(&mut self, region: Vec<u32>, holes: Holes, mesh: &mut Mesh) -> usize {
+    fn split_region(&mut self, region: &[u32]) -> usize {
         let lonely = |v: u32, s: &Self| {
             let mut ring = Vec::new();
             s.faces.ring(v, &mut ring);
@@ -174,9 +183,8 @@ impl<'a> Filler<'a> {
             .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
         let Some((_, _, h)) = best else {
             // Only triangles are left.
-            for &f in &region {
-                mesh.push_face(&[0, 1, 2].map(|k| self.faces.origin[3 * f as usize + k]));
-            }
+            let corners = |f: &u32| [0, 1, 2].map(|k| self.faces.origin[3 * *f as usize + k]).to_vec();
+            self.polygons.extend(region.iter().map(corners));
             return 0;
         };
         let twin = self.faces.twin[h as usize];
@@ -184,104 +192,55 @@ impl<'a> Filler<'a> {
         self.edges[twin as usize] = true;
         region.iter().for_each(|&f| self.seen[f as usize] = false);
         let mut count = 0;
-        for face in region {
+        for &face in region {
             if !self.seen[face as usize] {
                 let part = self.region(face);
-                count += self.treat(part, holes, mesh);
+                count += self.treat(part);
             }
         }
         count
     }
 
-    fn split_polygon(&mut self, polygon: &[u32], holes: Holes, mesh: &mut Mesh) {
-        let mut parts = Vec::new();
-        self.cut(polygon, holes != Holes::Triangles, &mut parts);
-        for part in parts {
-            for i in 0..part.len() {
-                let (a, b) = (part[i], part[(i + 1) % part.len()]);
-                self.chords.insert([a.min(b), a.max(b)]);
-            }
-            mesh.push_face(&part);
-        }
-    }
-
-    /// Dynamic programming over chords: the least cost of the part of the polygon from `i` to `j`, and how it is cut.
-    fn cut(&self, polygon: &[u32], quads: bool, parts: &mut Vec<Vec<u32>>) {
-        let k = polygon.len();
-        let at = |i: usize, j: usize| i * k + j;
-        let mut cost = vec![0.0; k * k];
-        let mut cuts: Vec<[usize; 2]> = vec![[usize::MAX; 2]; k * k];
-        for span in 2..k {
-            for i in 0..k - span {
-                let j = i + span;
-                let mut best = (f64::INFINITY, [usize::MAX; 2]);
-                for m in i + 1..j {
-                    let face = [polygon[i], polygon[m], polygon[j]];
-                    let total = cost[at(i, m)] + cost[at(m, j)] + self.face_cost(&face);
-                    if total < best.0 {
-                        best = (total, [m, usize::MAX]);
-                    }
-                    for n in m + 1..if quads { j } else { m + 1 } {
-                        let face = [polygon[i], polygon[m], polygon[n], polygon[j]];
-                        let total = cost[at(i, m)] + cost[at(m, n)] + cost[at(n, j)] + self.face_cost(&face);
-                        if total < best.0 {
-                            best = (total, [m, n]);
-                        }
-                    }
-                }
-                let chord = if span + 1 < k { self.chord_cost(polygon[i], polygon[j]) } else { 0.0 };
-                cost[at(i, j)] = best.0 + chord;
-                cuts[at(i, j)] = best.1;
-            }
-        }
-        let mut open = vec![[0, k - 1]];
-        while let Some([i, j]) = open.pop() {
-            if j < i + 2 {
-                continue;
-            }
-            let [m, n] = cuts[at(i, j)];
-            if n == usize::MAX {
-                parts.push(vec![polygon[i], polygon[m], polygon[j]]);
-                open.extend([[m, j], [i, m]]);
-            } else {
-                parts.push(vec![polygon[i], polygon[m], polygon[n], polygon[j]]);
-                open.extend([[n, j], [m, n], [i, m]]);
-            }
-        }
-    }
-
-    /// A chord that would be a second edge between its ends costs more than any split without it.
-    fn chord_cost(&self, a: u32, b: u32) -> f64 {
-        let taken = self.chords.contains(&[a.min(b), a.max(b)]) || {
-            let mut ring = Vec::new();
-            self.faces.ring(a, &mut ring);
-            ring.iter().any(|&h| {
-                let outer = super::intrinsic::previous(h);
-                (self.faces.target(h) == b && self.edges[h as usize])
-                    || (self.faces.origin[outer as usize] == b && self.edges[outer as usize])
-            })
+    /// Cuts the polygon about a region into quads and triangles at least cost. The region's own triangles are such a cut.
+    fn split_polygon(&mut self, polygon: &[u32], region: &[u32]) {
+        let vertices = |places: &[usize]| places.iter().map(|&k| polygon[k]).collect::<Vec<u32>>();
+        let face = |places: &[usize]| match places.len() {
+            4 if self.holes == Holes::Triangles => f64::INFINITY,
+            _ => self.face_cost(&vertices(places)),
         };
-        if taken { 1e6 } else { 0.0 }
+        let chord = |i: usize, j: usize| if self.may_join(polygon[i], polygon[j], region) { 0.0 } else { f64::INFINITY };
+        let cut = polygon::cut(polygon.len(), face, chord);
+        let triangles = || region.iter().map(|&f| [0, 1, 2].map(|k| self.faces.origin[3 * f as usize + k]).to_vec());
+        let parts: Vec<Vec<u32>> =
+            cut.map_or_else(|| triangles().collect(), |(_, parts)| parts.iter().map(|part| vertices(part)).collect());
+        self.chords.extend(parts.iter().flat_map(|part| sides(part)).map(undirected));
+        self.polygons.extend(parts);
+    }
+
+    /// Whether a chord of a polygon may be an edge: it must be the only one between its ends, in the whole triangulation but for
+    /// the region inside the polygon, since any edge of that may become one of the mesh.
+    fn may_join(&self, a: u32, b: u32, region: &[u32]) -> bool {
+        let mut ring = Vec::new();
+        self.faces.ring(a, &mut ring);
+        let outside = |h: u32| {
+            let twin = self.faces.twin[h as usize];
+            self.edges[h as usize] || twin == NONE || !region.contains(&(h / 3))
+        };
+        let last = previous(ring[ring.len() - 1]);
+        let joins = |&h: &u32| self.faces.target(h) == b || (h == last && self.faces.origin[h as usize] == b);
+        let is_taken = ring.iter().chain([&last]).filter(|h| joins(h)).any(|&h| outside(h));
+        !is_taken && !self.chords.contains(&undirected([a, b]))
     }
 
     fn face_cost(&self, face: &[u32]) -> f64 {
+        let corners: Vec<DVec3> = face.iter().map(|&v| self.triangulation.vertices[v as usize].point).collect();
+        let sheets = face.iter().map(|&v| self.triangulation.vertices[v as usize].triangles);
         let frame = self.metric.frame(face);
-        let points = |i: usize| self.triangulation.points[face[i] as usize];
-        let shaped = |q: DVec3| laid(frame.as_ref(), q).to_array();
-        let up: DVec3 = face.iter().map(|&v| self.triangulation.tiles[v as usize].normal().as_dvec3()).sum();
-        let (shape, face_normal, base) = match face.len() {
-            3 => {
-                let p = [points(0), points(1), points(2)];
-                (triangle_shape(p.map(shaped)), (p[1] - p[0]).cross(p[2] - p[0]), TRIANGLE)
-            }
-            _ => {
-                let p = [points(0), points(1), points(2), points(3)];
-                (quad_shape(p.map(shaped)), (p[2] - p[0]).cross(p[3] - p[1]), 0.0)
-            }
-        };
-        let folded = if shape <= 0.05 { FOLDED } else { 0.0 };
-        let averted = if face_normal.dot(up) <= 0.0 { AVERTED } else { 0.0 };
-        base + (1.0 - shape) + folded + averted
+        let orientation = &self.context.orientation;
+        let measure = Measure::of(&corners, frame.as_ref(), None, || orientation.is_inverted(&corners, sheets));
+        let base = if face.len() == 3 { TRIANGLE } else { 0.0 };
+        let folded = if measure.is_fault || (face.len() == 4 && measure.shape <= THIN) { FOLDED } else { 0.0 };
+        base + (1.0 - measure.shape) + folded
     }
 }
 

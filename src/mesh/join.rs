@@ -10,6 +10,8 @@ pub struct Joined {
     pub mesh: Mesh,
     /// Whether sheets meet at each vertex: there the mesh may branch, as the surface does.
     pub branches: Vec<bool>,
+    /// The vertex that each of the old ones is.
+    pub number: Vec<u32>,
 }
 
 /// Makes one vertex of those at one place; `first` names the first of them for each vertex.
@@ -35,7 +37,7 @@ pub fn join(mesh: &Mesh, first: &[u32]) -> Joined {
         joined.push_face(&corners);
     }
     joined.regions = mesh.regions.clone();
-    Joined { mesh: joined, branches }
+    Joined { mesh: joined, branches, number }
 }
 
 #[cfg(test)]
@@ -57,7 +59,7 @@ mod tests {
     #[test]
     fn pages_are_joined_at_the_spine_and_nowhere_else() {
         let (mesh, first) = book();
-        let Joined { mesh, branches } = join(&mesh, &first);
+        let Joined { mesh, branches, .. } = join(&mesh, &first);
         assert_eq!(mesh.points.len(), 8);
         assert_eq!((0..8).filter(|&v| branches[v]).collect::<Vec<_>>(), [0, 3]);
         assert_eq!(mesh.face_count(), 3);

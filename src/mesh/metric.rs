@@ -1,7 +1,7 @@
 //! Where rectangles count as squares: shapes are measured in the tiles' own sides.
 
-use super::clean::Anchors;
-use glam::{DMat3, DVec3, Vec3};
+use super::surface_mesh::Vertex;
+use glam::{DMat3, DVec3};
 
 /// At each vertex, the linear map of space that makes the tile wanted there a square of the same area.
 #[derive(Clone, Debug, Default)]
@@ -20,17 +20,20 @@ pub(crate) struct Frame {
 }
 
 impl Metric {
-    /// That of tiles whose crosses and factors are known.
-    pub fn new(anchors: &Anchors) -> Self {
-        let map = |(v, &factor): (usize, &f32)| {
-            let [x, n] = [anchors.axes[v], anchors.normals[v]].map(|way| Vec3::from(way).as_dvec3());
-            let y = n.cross(x);
+    /// That of vertices whose tiles have these sides along their axes, over their mean sides; empty where tiles are squares.
+    pub(crate) fn new(vertices: &[Vertex], factors: &[f32]) -> Self {
+        let map = |(vertex, &factor): (&Vertex, &f32)| {
+            let Vertex { axis: x, normal, .. } = *vertex;
+            let y = normal.cross(x);
             let factor = f64::from(factor);
             let along = |way: DVec3, by: f64| DMat3::from_cols(way * way.x, way * way.y, way * way.z) * (by - 1.0);
             DMat3::IDENTITY + along(x, 1.0 / factor) + along(y, factor)
         };
-        let maps: Vec<DMat3> = anchors.factors.iter().enumerate().map(map).collect();
-        Self { rough: if maps.is_empty() { Vec::new() } else { anchors.fixed.clone() }, maps }
+        let rough = |(vertex, _): (&Vertex, &f32)| !vertex.is_free();
+        Self {
+            maps: vertices.iter().zip(factors).map(map).collect(),
+            rough: vertices.iter().zip(factors).map(rough).collect(),
+        }
     }
 
     /// Takes note of a new vertex, which is a copy of another.
@@ -87,17 +90,23 @@ pub(crate) fn lifted(frame: Option<&Frame>, place: DVec3) -> DVec3 {
 mod tests {
     use super::*;
     use crate::mesh::quality::quad_shape;
+    use crate::mesh::surface_mesh::Place;
 
     /// Four vertices whose tiles are four times as long as wide along x, the first `rough` of them on features.
     fn metric(rough: usize) -> Metric {
-        Metric::new(&Anchors {
-            feature_edges: Vec::new(),
-            fixed: (0..4).map(|v| v < rough).collect(),
-            normals: vec![[0.0, 0.0, 1.0]; 4],
-            // Of the same tile, along it or across.
-            axes: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]],
-            factors: vec![2.0, 0.5, 2.0, 0.5],
-        })
+        // Of the same tile, along it or across.
+        let axes = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y];
+        let vertex = |(v, &axis): (usize, &DVec3)| Vertex {
+            point: DVec3::ZERO,
+            place: if v < rough { Place::Corner } else { Place::Free },
+            triangles: [0; 2],
+            normal: DVec3::Z,
+            axis,
+            valence: 4,
+            origin: v as u32,
+        };
+        let vertices: Vec<Vertex> = axes.iter().enumerate().map(vertex).collect();
+        Metric::new(&vertices, &[2.0, 0.5, 2.0, 0.5])
     }
 
     fn shape(frame: Option<&Frame>, [x, y]: [f64; 2]) -> f64 {

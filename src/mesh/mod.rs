@@ -1,30 +1,30 @@
 //! The output: from a mosaic to a polygon mesh.
 
 pub mod check;
-pub mod clean;
-mod collapse;
 pub mod compare;
 pub mod connect;
-mod curves;
-mod edit;
-pub mod facing;
+pub mod connectivity;
 pub mod fill;
-pub mod follow;
+pub mod finish;
+mod incidence;
 mod intrinsic;
 pub mod join;
 mod metric;
-pub mod pair;
+mod objective;
+mod orientation;
+mod polygon;
 pub mod quality;
 mod read;
-pub mod regions;
-pub mod smooth;
+mod regions;
+pub mod relocate;
+mod surface_mesh;
 mod topology;
-pub mod touch_up;
 pub mod triangulate;
-pub mod unfold;
 
 pub use metric::Metric;
+pub use objective::Context;
 pub use read::{read_mesh, read_mesh_as};
+pub use surface_mesh::{Place, SurfaceMesh, Vertex};
 pub use topology::Topology;
 pub use triangulate::Triangulation;
 

@@ -1,6 +1,8 @@
 //! How a mesh hangs together.
 
 use super::{Edge, Mesh};
+use crate::sets::Sets;
+use crate::surface::Surface;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -13,6 +15,29 @@ pub struct Topology {
     pub boundary_loops: usize,
     /// Number of pieces that no edge or vertex joins.
     pub components: usize,
+}
+
+impl Topology {
+    /// That of a surface none of whose vertices share a place.
+    pub(super) fn of(surface: &Surface) -> Self {
+        let half_edges = 0..3 * surface.triangle_count() as u32;
+        let open: Vec<u32> = half_edges.filter(|&h| surface.twin(h).is_none()).collect();
+        let edges = (3 * surface.triangle_count() + open.len()) / 2;
+        let mut parts = Sets::new(surface.vertex_count());
+        surface.triangles.iter().for_each(|&[a, b, c]| {
+            parts.join(a, b);
+            parts.join(b, c);
+        });
+        // One boundary edge begins at each vertex of a boundary.
+        let mut loops = Sets::new(surface.vertex_count());
+        open.iter().for_each(|&h| loops.join(surface.origin(h), surface.target(h)));
+        let inner = surface.vertex_count() - open.len();
+        Self {
+            euler: surface.vertex_count() as i64 - edges as i64 + surface.triangle_count() as i64,
+            boundary_loops: loops.count() - inner,
+            components: parts.count(),
+        }
+    }
 }
 
 /// How the faces of a mesh, all of whose vertices there are, hang together.
@@ -71,7 +96,7 @@ fn fans(mesh: &Mesh) -> Vec<u32> {
             for pair in spokes.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
                 sets.join(pair[0].1, pair[1].1);
             }
-            sets.count as u32
+            sets.count() as u32
         })
         .collect()
 }
@@ -117,34 +142,5 @@ fn components(mesh: &Mesh) -> usize {
             sets.join(face[0], vertex);
         }
     }
-    sets.count - used.iter().filter(|used| !**used).count()
-}
-
-/// Disjoint sets with path halving.
-struct Sets {
-    parent: Vec<u32>,
-    count: usize,
-}
-
-impl Sets {
-    fn new(count: usize) -> Self {
-        Self { parent: (0..count as u32).collect(), count }
-    }
-
-    fn root(&mut self, mut item: u32) -> u32 {
-        while self.parent[item as usize] != item {
-            let above = self.parent[item as usize];
-            self.parent[item as usize] = self.parent[above as usize];
-            item = self.parent[item as usize];
-        }
-        item
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        if a != b {
-            self.parent[a.max(b) as usize] = a.min(b);
-            self.count -= 1;
-        }
-    }
+    sets.count() - used.iter().filter(|used| !**used).count()
 }

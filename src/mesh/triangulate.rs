@@ -15,16 +15,19 @@
 //! A vertex of the surface that cannot go because a handle or a gap there is too small for the tiles stays, as an extra
 //! vertex of the mesh.
 
-use super::clean::Anchors;
+use super::Metric;
+use super::incidence::undirected;
 use super::intrinsic::Intrinsic;
+use super::surface_mesh::{Place, SurfaceMesh, Vertex};
 use crate::field::Field;
 use crate::geometry::cross;
 use crate::mosaic::chart::{Chart, Spot};
 use crate::mosaic::oblong::factors;
 use crate::mosaic::phases::Cone;
 use crate::mosaic::{Mosaic, Seat, Tile};
-use crate::surface::{NONE, Surface};
-use glam::DVec3;
+use crate::surface::{NONE, Surface, shared_curves};
+use glam::{DVec3, Vec3};
+use rustc_hash::FxHashMap;
 use std::f64::consts::{PI, TAU};
 
 /// Tiles are kept this far, as a share of the triangle, from the edges of the triangle that they are put into.
@@ -38,8 +41,8 @@ pub struct Triangulation {
     pub tiles: Vec<Tile>,
     /// The side of each tile in the metric of the triangulation: 1 in that of the mosaic itself.
     pub(crate) sides: Vec<f64>,
-    /// Places in unit-sized coordinates.
-    pub(crate) points: Vec<DVec3>,
+    /// Where on the surface each vertex is.
+    pub(crate) vertices: Vec<Vertex>,
     /// The first `sites` vertices are tiles on features; the last `extra` ones are no tiles but vertices of the surface
     /// that its topology needs.
     pub sites: usize,
@@ -74,44 +77,97 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     for (v, site) in mosaic.sites.iter().enumerate() {
         same_place[v] = site.same_place;
     }
-    // Each sheet has divided the curve by itself; one of them gives the place to all.
-    let points = same_place.iter().map(|&v| work.points[order[v as usize] as usize]).collect();
     let factors = factors(surface, field, &tiles);
-    Triangulation { faces, tiles, sides, points, factors, sites: sites.len(), extra: left.len(), same_place }
+    let seats = Seats::new(surface);
+    let vertex = |(v, tile): (usize, &Tile)| {
+        let (place, triangles) = match mosaic.sites.get(v) {
+            Some(site) => seats.place(site.seat, mosaic.sides_of(v)),
+            None if v < order.len() - left.len() => (Place::Free, [tile.triangle; 2]),
+            None => (Place::Corner, [NONE; 2]),
+        };
+        Vertex {
+            // Each sheet has divided the curve by itself; one of them gives the place to all.
+            point: work.points[order[same_place[v] as usize] as usize],
+            place,
+            triangles,
+            normal: tile.normal().as_dvec3(),
+            axis: Vec3::from(tile.axis).as_dvec3(),
+            valence: REGULAR,
+            origin: v as u32,
+        }
+    };
+    let vertices = tiles.iter().enumerate().map(vertex).collect();
+    Triangulation { faces, tiles, sides, vertices, factors, sites: sites.len(), extra: left.len(), same_place }
+}
+
+/// The number of faces at a regular vertex.
+const REGULAR: u8 = 4;
+
+/// Where on the feature curves of a surface its half-edges and vertices are.
+struct Seats<'a> {
+    surface: &'a Surface,
+    /// Whether several sheets share each curve.
+    shared: Vec<bool>,
+    /// The curve and the segment of each half-edge on a feature.
+    segments: FxHashMap<u32, (u32, usize)>,
+    /// The curve through each vertex on a feature, and its place along it.
+    vertices: FxHashMap<u32, (u32, usize)>,
+}
+
+impl<'a> Seats<'a> {
+    fn new(surface: &'a Surface) -> Self {
+        let (mut segments, mut vertices) = (FxHashMap::default(), FxHashMap::default());
+        for (id, curve) in (0..).zip(surface.features().curves()) {
+            for (k, &h) in curve.half_edges.iter().enumerate() {
+                for h in [Some(h), surface.twin(h)].into_iter().flatten() {
+                    segments.insert(h, (id, k));
+                }
+            }
+            curve.vertices.iter().enumerate().for_each(|(k, &v)| {
+                vertices.insert(v, (id, k));
+            });
+        }
+        Self { surface, shared: shared_curves(surface), segments, vertices }
+    }
+
+    /// Where a tile on a feature is, and the triangles on its two sides; `sides` are the tile as these see it.
+    fn place(&self, seat: Seat, sides: &[Tile]) -> (Place, [u32; 2]) {
+        let triangles = match *sides {
+            [one] => [one.triangle; 2],
+            [one, other] => [one.triangle, other.triangle],
+            _ => [NONE; 2],
+        };
+        let curves = self.surface.features().curves();
+        let place = match seat {
+            Seat::Edge(h, share) => self.segments.get(&h).map(|&(curve, k)| {
+                let s = curves[curve as usize].arc(self.surface, k, h, share);
+                (curve, s)
+            }),
+            Seat::Vertex(v) if self.surface.features().is_corner(v) => None,
+            Seat::Vertex(v) => self.vertices.get(&v).map(|&(curve, k)| (curve, curves[curve as usize].arcs[k])),
+        };
+        let place = place.filter(|(curve, _)| !self.shared[*curve as usize]);
+        (place.map_or(Place::Corner, |(curve, s)| Place::OnCurve { curve, s }), triangles)
+    }
 }
 
 impl Triangulation {
-    /// What the clean-up must respect: features, and the directions of the field.
-    pub fn anchors(&self) -> Anchors {
-        let faces = &self.faces;
-        let mut feature_edges: Vec<[u32; 2]> = (0..faces.origin.len() as u32)
-            .filter(|&h| faces.locked[h as usize])
-            .map(|h| [faces.origin[h as usize], faces.target(h)])
-            .map(|[a, b]| [a.min(b), a.max(b)])
-            .collect();
-        feature_edges.sort_unstable();
-        feature_edges.dedup();
-        Anchors {
-            feature_edges,
-            fixed: (0..self.tiles.len()).map(|v| !self.is_free(v)).collect(),
-            normals: self.tiles.iter().map(|tile| tile.normal).collect(),
-            axes: self.tiles.iter().map(|tile| tile.axis).collect(),
-            factors: self.factors.clone(),
-        }
+    /// A mesh of these faces, each vertex at its place on the surface.
+    pub(crate) fn surface_mesh(&self, faces: &[Vec<u32>]) -> SurfaceMesh {
+        let half_edges = (0..self.faces.origin.len() as u32).filter(|&h| self.faces.is_feature(h));
+        let edge = |h: u32| [self.faces.origin[h as usize], self.faces.target(h)];
+        let features = half_edges.map(|h| (undirected(edge(h)), self.faces.curve[h as usize])).collect();
+        let metric = Metric::new(&self.vertices, &self.factors);
+        SurfaceMesh::new(self.vertices.clone(), faces, features, metric)
     }
 
-    /// The triangle of the surface below each of these vertices, `None` below those that may not move.
-    pub fn free_triangles(&self, kept: &[u32]) -> Vec<Option<u32>> {
-        kept.iter().map(|&v| self.is_free(v as usize).then(|| self.tiles[v as usize].triangle)).collect()
-    }
-
-    /// For each vertex of a mesh, the first of those at its place; `kept` names the vertex that each one was, [`NONE`] for
+    /// For each vertex of a mesh, the first of those at its place; `origins` names the vertex that each one was, [`NONE`] for
     /// one that is new and has its place for itself.
-    pub fn joints(&self, kept: &[u32]) -> Vec<u32> {
+    pub fn joints(&self, origins: impl Iterator<Item = u32>) -> Vec<u32> {
         let mut first = vec![NONE; self.same_place.len()];
         (0..)
-            .zip(kept)
-            .map(|(v, &old)| {
+            .zip(origins)
+            .map(|(v, old)| {
                 let Some(&place) = self.same_place.get(old as usize) else { return v };
                 let first = &mut first[place as usize];
                 *first = v.min(*first);
@@ -125,10 +181,6 @@ impl Triangulation {
         let faces = &self.faces;
         let is_first = move |&h: &u32| faces.twin[h as usize] == NONE || h < faces.twin[h as usize];
         (0..faces.origin.len() as u32).filter(is_first).map(move |h| [faces.origin[h as usize], faces.target(h)])
-    }
-
-    fn is_free(&self, vertex: usize) -> bool {
-        (self.sites..self.tiles.len() - self.extra).contains(&vertex)
     }
 }
 
@@ -151,11 +203,16 @@ impl<'a> Work<'a> {
             origin: surface.triangles.iter().flatten().copied().collect(),
             twin: surface.twins.clone(),
             length: (0..count as u32).map(|h| chart.map_or_else(|| surface.length(h), |c| c.length(h))).collect(),
-            locked: (0..count as u32).map(|h| surface.features().is_feature(h)).collect(),
+            curve: vec![NONE; count],
             begin: Vec::with_capacity(count),
             end: Vec::with_capacity(count),
             leaving: vec![NONE; surface.vertex_count()],
         };
+        for (id, curve) in (0..).zip(surface.features().curves()) {
+            for h in curve.half_edges.iter().flat_map(|&h| [Some(h), surface.twin(h)]).flatten() {
+                faces.curve[h as usize] = id;
+            }
+        }
         for h in 0..count as u32 {
             let sector = sectors.of_corner[h as usize] as usize;
             // On a feature directions count from the feature, elsewhere from the cross.
@@ -254,9 +311,9 @@ impl<'a> Work<'a> {
             let mut vertex = end;
             while !is_site[vertex as usize] {
                 self.faces.ring(vertex, &mut ring);
-                let Some(&h) = ring.iter().find(|&&h| self.faces.locked[h as usize]) else { break };
+                let Some(&h) = ring.iter().find(|&&h| self.faces.is_feature(h)) else { break };
                 let twin = self.faces.twin[h as usize];
-                [h, twin].into_iter().filter(|&h| h != NONE).for_each(|h| self.faces.locked[h as usize] = false);
+                [h, twin].into_iter().filter(|&h| h != NONE).for_each(|h| self.faces.curve[h as usize] = NONE);
                 vertex = self.faces.target(h);
             }
         }
@@ -290,7 +347,7 @@ impl<'a> Work<'a> {
             face = self.locate(face, point, normal);
             let origins = [0, 1, 2].map(|k| self.faces.origin[3 * face as usize + k]);
             let ways = origins.map(|v| self.points[v as usize] - point);
-            let x = glam::Vec3::from(tile.axis);
+            let x = Vec3::from(tile.axis);
             let (x, y) = match self.chart {
                 Some(chart) => chart.gradients(surface, triangle, point).into(),
                 None => (x.as_dvec3(), cross(tile.normal(), x).as_dvec3()),
@@ -438,7 +495,7 @@ impl Intrinsic {
                 result.length[to] = self.length[from];
                 result.begin[to] = self.begin[from];
                 result.end[to] = self.end[from];
-                result.locked[to] = self.locked[from];
+                result.curve[to] = self.curve[from];
                 result.leaving[result.origin[to] as usize] = to as u32;
             }
         }

@@ -127,6 +127,12 @@ impl Mosaic {
         &self.tiles[self.sides..]
     }
 
+    /// A tile on a feature as each side of the feature sees it.
+    pub(crate) fn sides_of(&self, site: usize) -> &[Tile] {
+        let first = self.sites[site].first_side as usize;
+        &self.tiles[first..self.sites.get(site + 1).map_or(self.sides, |next| next.first_side as usize)]
+    }
+
     /// The number of tiles, those of several sheets at one place counted once: vertices of the mesh to come.
     pub fn count(&self) -> usize {
         let own = (0..).zip(&self.sites).filter(|(id, site)| site.same_place == *id).count();

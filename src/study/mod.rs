@@ -22,7 +22,6 @@ pub use table::{Figures, Row, Table};
 use crate::compute::{Backend, ComputeError};
 use crate::export::WriteError;
 use crate::field::GuideReport;
-use crate::mesh::check::check_joined;
 use crate::mesh::connect::ConnectOptions;
 use crate::mesh::triangulate::triangulate;
 use crate::picture::{Paint, PictureError, Scene, View, mesh_scene, mosaic_scene, write_picture};
@@ -268,7 +267,7 @@ impl Work<'_> {
         let connected = |[max_angle, max_distance, _]: Setting, paper: bool| {
             let connect = ConnectOptions { max_distance, max_angle };
             let options = Options { connect, ..options.clone() };
-            let options = if paper { Options { pairing: None, ..options } } else { options };
+            let options = if paper { options.with_paper_clean_up() } else { options };
             pipeline::connected(&surface, &mosaic, &triangulation, &options)
         };
         if !drawn {
@@ -300,7 +299,7 @@ impl Work<'_> {
                 cleaned: Figures::of(&cleaned),
                 after: Figures::of(&meshed.mesh),
                 holes: meshed.holes,
-                faults: check_joined(&meshed.mesh, &meshed.branches).list.len(),
+                faults: meshed.faults.list.len() + meshed.differences.len(),
                 side_range: most / least,
                 mosaic_ms: milliseconds(laid),
                 mesh_ms: milliseconds(time),

@@ -1,5 +1,6 @@
 //! Feature edges: creases and open boundaries, chained into curves that end at corners.
 
+use super::curve::Curve;
 use super::{NONE, Surface, next};
 use crate::geometry::dot;
 
@@ -21,17 +22,6 @@ impl Default for FeatureOptions {
     fn default() -> Self {
         Self { crease: 40.0, corner: 50.0, ridge: 60.0, region_borders: true }
     }
-}
-
-/// A chain of feature edges between two corners, or round from a vertex to itself.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// The vertices along it; the first is the last again where it is closed.
-    pub vertices: Vec<u32>,
-    /// A half-edge on each of its edges (one less than vertices), in either direction.
-    pub half_edges: Vec<u32>,
-    /// Whether it closes without passing a corner.
-    pub closed: bool,
 }
 
 /// The features of a surface.
@@ -186,7 +176,7 @@ fn chain(surface: &Surface, edges: &Incidence, is_corner: &[bool]) -> Vec<Curve>
             edge = if a == edge { b } else { a };
         }
         let closed = !is_corner[start as usize];
-        curves.push(Curve { vertices, half_edges, closed });
+        curves.push(Curve::new(surface, vertices, half_edges, closed));
     };
     let corners_first = |corner: bool| (0..is_corner.len() as u32).filter(move |&v| is_corner[v as usize] == corner);
     for v in corners_first(true).chain(corners_first(false)) {

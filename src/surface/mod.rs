@@ -8,6 +8,7 @@
 mod adjacency;
 mod caps;
 pub(crate) mod curvature;
+mod curve;
 mod divide;
 mod edge_file;
 pub mod examples;
@@ -26,10 +27,12 @@ mod walk;
 mod weld;
 
 pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
-pub use features::{Curve, FeatureOptions, Features};
+pub use curve::Curve;
+pub(crate) use curve::shared_curves;
+pub use features::{FeatureOptions, Features};
 pub use regions::Regions;
 pub use repairs::{Repair, Repairs};
-pub(crate) use walk::{Footing, WALK_EDGES, next_corner, previous_corner, walk};
+pub(crate) use walk::{WALK_EDGES, next_corner, previous_corner, walk};
 
 use crate::geometry::{cross, dot, unit};
 use adjacency::Adjacency;

@@ -1,6 +1,7 @@
 //! Joins points that are the same place and drops triangles that are none, and parts too small to have a shape.
 
 use super::{Frame, Repairs, Soup, SurfaceError};
+use crate::sets::Sets;
 use glam::{DVec3, Vec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -98,24 +99,16 @@ struct Parts {
 }
 
 fn specks(points: &[DVec3], triangles: &[[u32; 3]]) -> Parts {
-    let mut parent: Vec<u32> = (0..points.len() as u32).collect();
-    let root = |parent: &mut [u32], mut v: u32| {
-        while parent[v as usize] != v {
-            parent[v as usize] = parent[parent[v as usize] as usize];
-            v = parent[v as usize];
-        }
-        v
-    };
+    let mut sets = Sets::new(points.len());
     for &[a, b, c] in triangles {
-        let [a, b, c] = [a, b, c].map(|v| root(&mut parent, v));
-        let least = a.min(b).min(c);
-        [a, b, c].iter().for_each(|&v| parent[v as usize] = least);
+        sets.join(a, b);
+        sets.join(b, c);
     }
     let mut number = vec![super::NONE; points.len()];
     let mut parts = Parts { part: Vec::with_capacity(triangles.len()), firsts: Vec::new(), is_speck: Vec::new() };
     let mut boxes: Vec<[DVec3; 2]> = Vec::new();
     for (t, corners) in triangles.iter().enumerate() {
-        let id = &mut number[root(&mut parent, corners[0]) as usize];
+        let id = &mut number[sets.root(corners[0]) as usize];
         if *id == super::NONE {
             *id = boxes.len() as u32;
             boxes.push([DVec3::INFINITY, DVec3::NEG_INFINITY]);

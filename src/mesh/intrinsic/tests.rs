@@ -27,7 +27,7 @@ pub fn plane(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Intrinsic {
     for (&(v, w), &h) in &at {
         match at.get(&(w, v)) {
             Some(&twin) => faces.twin[h as usize] = twin,
-            None => faces.locked[h as usize] = true,
+            None => faces.curve[h as usize] = 0,
         }
     }
     faces
@@ -90,7 +90,7 @@ pub fn faults(faces: &Intrinsic) -> Vec<String> {
                 && faces.is_alive(twin / 3)
                 && faces.origin[twin as usize] == faces.target(h)
                 && faces.target(twin) == faces.origin[h as usize]
-                && faces.locked[twin as usize] == faces.locked[h as usize];
+                && faces.curve[twin as usize] == faces.curve[h as usize];
             if !mirrored || (faces.length[h as usize] - faces.length[twin as usize]).abs() > 1e-12 {
                 faults.push(format!("half-edges {h} and {twin} are no twins"));
             }
@@ -125,7 +125,7 @@ pub fn faults(faces: &Intrinsic) -> Vec<String> {
         let first = usize::from(!closed);
         for i in first..ring.len() {
             let before = ring[(i + ring.len() - 1) % ring.len()];
-            if faces.locked[ring[i] as usize] {
+            if faces.is_feature(ring[i]) {
                 // Each side of a feature counts its directions from the feature.
                 continue;
             }
@@ -220,9 +220,9 @@ fn what_cannot_be_flipped_stays() {
     assert_eq!(faults(&faces), none());
     let points = [[0.0, 0.0], [3.0, 0.0], [2.0, 1.0], [2.0, -1.0]];
     let mut convex = plane(&points, &[[0, 1, 2], [1, 0, 3]]);
-    convex.locked[0] = true;
+    convex.curve[0] = 0;
     assert!(!convex.flip(0), "a feature");
-    convex.locked[0] = false;
+    convex.curve[0] = NONE;
     assert!(convex.flip(0));
 }
 
@@ -235,10 +235,10 @@ fn splits_keep_area_angles_and_places() {
         let h = (i * 37) % faces.origin.len() as u32;
         if i % 2 == 0 {
             // Only features are split: each side of one counts its directions from it.
-            faces.locked[h as usize] = true;
+            faces.curve[h as usize] = 0;
             if faces.twin[h as usize] != NONE {
                 let twin = faces.twin[h as usize];
-                faces.locked[twin as usize] = true;
+                faces.curve[twin as usize] = 0;
             }
             let share = 0.2 + 0.01 * f64::from(i);
             let [[ax, ay], [bx, by]] = [faces.origin[h as usize], faces.target(h)].map(|v| points[v as usize]);

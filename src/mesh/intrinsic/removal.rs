@@ -5,7 +5,7 @@
 //! feature); then it is pulled into a neighbour, which is exact too where the surface is flat. Only where flips are
 //! refused (a second edge between two vertices would come about) are lengths estimated, by unfolding round the vertex.
 
-use super::intrinsic::{Intrinsic, angle, next, previous, third_side};
+use super::{Intrinsic, angle, next, previous, third_side};
 use crate::surface::NONE;
 use std::f64::consts::{PI, TAU};
 
@@ -20,7 +20,7 @@ struct Fan {
 }
 
 impl Intrinsic {
-    /// Takes a vertex out. One on a feature (two locked edges) goes into a neighbour along it.
+    /// Takes a vertex out. One on a feature (two feature edges) goes into a neighbour along it.
     ///
     /// False where the topology of the surface needs the vertex: no neighbour can take it without a double edge.
     pub fn remove(&mut self, vertex: u32, ring: &mut Vec<u32>) -> bool {
@@ -31,9 +31,9 @@ impl Intrinsic {
             }
         }
         let closed = self.ring(vertex, ring);
-        let on_feature = !closed || ring.iter().any(|&h| self.locked[h as usize]);
+        let on_feature = !closed || ring.iter().any(|&h| self.is_feature(h));
         let mut ways: Vec<u32> = if closed { ring.clone() } else { vec![ring[0]] };
-        ways.retain(|&h| !on_feature || self.locked[h as usize]);
+        ways.retain(|&h| !on_feature || self.is_feature(h));
         ways.sort_by(|&g, &h| self.length[g as usize].total_cmp(&self.length[h as usize]).then(g.cmp(&h)));
         ways.into_iter().any(|h| {
             let fan = self.fan(h, ring, closed);
@@ -90,7 +90,7 @@ impl Intrinsic {
     /// The direction, at `v`, of each neighbour from `x` on, scaled so that a turn is 2 pi and a feature is straight.
     fn places(&self, fan: &Fan) -> Vec<f64> {
         let feature = if fan.closed {
-            (1..fan.spokes.len()).find(|&i| self.locked[fan.spokes[i] as usize])
+            (1..fan.spokes.len()).find(|&i| self.is_feature(fan.spokes[i]))
         } else {
             Some(fan.spokes.len())
         };
@@ -148,7 +148,7 @@ impl Intrinsic {
         if stay.is_empty() {
             // An ear: the edge beyond it is the boundary now.
             self.twin[near.0 as usize] = NONE;
-            self.locked[near.0 as usize] = true;
+            self.curve[near.0 as usize] = self.curve[spokes[0] as usize];
             self.leaving[x as usize] = next(near.0);
             self.leaving[around[1] as usize] = near.0;
         } else {
@@ -165,16 +165,17 @@ impl Intrinsic {
         self.leaving[v as usize] = NONE;
     }
 
-    /// The half-edge beyond a side that is about to coincide with a spoke, and whether either is a feature.
-    fn side_beyond(&self, side: u32, spoke: u32) -> (u32, bool) {
-        (self.twin[side as usize], self.locked[side as usize] || self.locked[spoke as usize])
+    /// The half-edge beyond a side that is about to coincide with a spoke, and the curve of either.
+    fn side_beyond(&self, side: u32, spoke: u32) -> (u32, u32) {
+        let curve = [side, spoke].map(|h| self.curve[h as usize]).into_iter().find(|&curve| curve != NONE);
+        (self.twin[side as usize], curve.unwrap_or(NONE))
     }
 
-    fn join(&mut self, inner: u32, (outer, locked): (u32, bool)) {
+    fn join(&mut self, inner: u32, (outer, curve): (u32, u32)) {
         self.glue(inner, outer);
-        self.locked[inner as usize] = locked;
+        self.curve[inner as usize] = curve;
         if outer != NONE {
-            self.locked[outer as usize] = locked;
+            self.curve[outer as usize] = curve;
         }
     }
 
@@ -182,7 +183,7 @@ impl Intrinsic {
     fn turn_towards(&mut self, fan: &Fan, places: &[f64], to_v: &[f64], to_x: &[f64]) {
         let last = if fan.closed { fan.spokes.len() - 1 } else { fan.spokes.len() };
         for i in 2..last {
-            if self.locked[fan.spokes[i] as usize] {
+            if self.is_feature(fan.spokes[i]) {
                 continue;
             }
             let turn = angle(to_v[i], to_x[i], to_v[0]) * if places[i] <= PI { 1.0 } else { -1.0 };
@@ -219,7 +220,7 @@ impl Intrinsic {
         }
         let right = previous(spokes[count - 1]);
         let right = (self.begin[right as usize], self.width(right));
-        match (1..count).find(|&i| self.locked[spokes[i] as usize]) {
+        match (1..count).find(|&i| self.is_feature(spokes[i])) {
             Some(feature) => {
                 fill(self, stay.start..feature.min(stay.end), left.0, left.1);
                 fill(self, feature..stay.end.max(feature), right.0, right.1);
@@ -241,14 +242,14 @@ impl Intrinsic {
         let spokes = &fan.spokes;
         let count = spokes.len();
         let width = self.width(previous(spokes[0]));
-        if count > 1 && !self.locked[spokes[1] as usize] {
+        if count > 1 && !self.is_feature(spokes[1]) {
             self.end[next(spokes[1]) as usize] += width;
         } else if near != NONE {
             self.begin[near as usize] -= width;
         }
         if let Some(far) = far {
             let width = self.width(next(spokes[count - 1]));
-            if !self.locked[spokes[count - 1] as usize] {
+            if !self.is_feature(spokes[count - 1]) {
                 self.begin[previous(spokes[count - 2]) as usize] -= width;
             } else if far != NONE {
                 self.end[next(far) as usize] += width;
@@ -259,7 +260,7 @@ impl Intrinsic {
 
 #[cfg(test)]
 mod tests {
-    use super::super::intrinsic::tests::{against_plane, area, euler, faults, patch};
+    use super::super::tests::{against_plane, area, euler, faults, patch};
     use super::*;
 
     /// A closed surface of unit edges: connectivity alone matters here.
@@ -390,7 +391,7 @@ mod tests {
             .collect();
         let mut faces = closed(&triangles);
         for h in 0..faces.twin.len() {
-            faces.locked[h] = faces.twin[h] == NONE;
+            faces.curve[h] = if faces.twin[h] == NONE { 0 } else { NONE };
         }
         let mut ring = Vec::new();
         let mut gone = 0;

@@ -1,6 +1,6 @@
 //! The walk of a triangle: with the quad beside it, it forms a pentagon, which is cut into a quad and a triangle anew.
 
-use super::draft::Draft;
+use super::super::edit::Edit;
 
 /// A cut of the pentagon that a triangle and a quad form.
 #[derive(Clone, Copy)]
@@ -15,10 +15,10 @@ pub(super) struct Step {
 
 /// The other four ways to cut the pentagon of a triangle and the quad beyond one of its sides; none where the quad has all three
 /// of its corners.
-pub(super) fn steps(draft: &Draft, triangle: u32, side: usize, quad: u32) -> impl Iterator<Item = Step> {
-    let corners = draft.face(triangle);
+pub(super) fn steps(edit: &Edit, triangle: u32, side: usize, quad: u32) -> impl Iterator<Item = Step> {
+    let corners = edit.face(triangle);
     let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
-    let beyond = draft.face(quad);
+    let beyond = edit.face(quad);
     let at = beyond.iter().position(|&v| v == y).expect("the quad has the triangle's side");
     // The triangle as it is lies about the first.
     let ring = [z, x, beyond[(at + 2) % 4], beyond[(at + 3) % 4], y];
@@ -31,14 +31,14 @@ pub(super) fn steps(draft: &Draft, triangle: u32, side: usize, quad: u32) -> imp
 
 impl Step {
     /// How much more irregular it leaves the mesh.
-    pub(super) fn cost(&self, draft: &Draft) -> f64 {
+    pub(super) fn cost(&self, edit: &Edit) -> f64 {
         let come = [self.ring[1], self.ring[4]];
         let ends = [self.gone[0], self.gone[1], come[0], come[1]];
         (0..4)
             .filter(|&k| !ends[..k].contains(&ends[k]))
             .map(|k| {
                 let more = come.contains(&ends[k]) as i32 - self.gone.contains(&ends[k]) as i32;
-                draft.irregularity(ends[k], more) - draft.irregularity(ends[k], 0)
+                edit.irregularity(ends[k], more) - edit.irregularity(ends[k], 0)
             })
             .sum()
     }
@@ -50,10 +50,10 @@ impl Step {
         key
     }
 
-    /// The draft with the triangle one step further: it takes the quad's id.
-    pub(super) fn take<'a>(&self, draft: &Draft<'a>) -> (Draft<'a>, u32) {
+    /// The edit with the triangle one step further: it takes the quad's id.
+    pub(super) fn take<'a>(&self, edit: &Edit<'a>) -> (Edit<'a>, u32) {
         let [tip, after, p, q, before] = self.ring;
-        let mut stepped = draft.clone();
+        let mut stepped = edit.clone();
         stepped.set_face(self.quad, &[before, tip, after]);
         stepped.set_face(self.triangle, &[after, p, q, before]);
         (stepped, self.quad)
@@ -61,13 +61,13 @@ impl Step {
 }
 
 /// The quad of a triangle and the one beyond its side, and what it costs; `None` where both have the same corners.
-pub(super) fn meet<'a>(draft: &Draft<'a>, triangle: u32, side: usize, other: u32) -> Option<(f64, Draft<'a>)> {
-    let corners = draft.face(triangle);
+pub(super) fn meet<'a>(edit: &Edit<'a>, triangle: u32, side: usize, other: u32) -> Option<(f64, Edit<'a>)> {
+    let corners = edit.face(triangle);
     let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
-    let tip = *draft.face(other).iter().find(|v| !corners.contains(v))?;
-    let mut met = draft.clone();
+    let tip = *edit.face(other).iter().find(|v| !corners.contains(v))?;
+    let mut met = edit.clone();
     met.set_face(triangle, &[z, x, tip, y]);
     met.set_face(other, &[]);
-    let cost = [x, y].map(|v| draft.irregularity(v, -1) - draft.irregularity(v, 0)).iter().sum();
+    let cost = [x, y].map(|v| edit.irregularity(v, -1) - edit.irregularity(v, 0)).iter().sum();
     Some((cost, met))
 }

@@ -10,6 +10,8 @@
 //! as the field's sectors are, so that splitting and joining corners never loses an angle. The triangulation stays
 //! simplicial: no operation makes a second edge between two vertices.
 
+mod removal;
+
 use crate::surface::NONE;
 use std::f64::consts::PI;
 
@@ -23,8 +25,8 @@ pub(crate) struct Intrinsic {
     pub begin: Vec<f64>,
     /// The scaled direction at which that corner ends.
     pub end: Vec<f64>,
-    /// Half-edges on features; they are never flipped.
-    pub locked: Vec<bool>,
+    /// The curve of each half-edge on a feature, [`NONE`] off features. Those on features are never flipped.
+    pub curve: Vec<u32>,
     /// A half-edge that leaves each vertex; [`NONE`] where the vertex is gone.
     pub leaving: Vec<u32>,
 }
@@ -75,7 +77,7 @@ impl Intrinsic {
         self.length.extend([0.0; 3]);
         self.begin.extend([0.0; 3]);
         self.end.extend([0.0; 3]);
-        self.locked.extend([false; 3]);
+        self.curve.extend([NONE; 3]);
         h
     }
 
@@ -130,6 +132,11 @@ impl Intrinsic {
         }
     }
 
+    /// Whether a half-edge lies on a feature.
+    pub fn is_feature(&self, h: u32) -> bool {
+        self.curve[h as usize] != NONE
+    }
+
     /// Whether an edge joins two vertices.
     pub fn joined(&self, a: u32, b: u32) -> bool {
         let mut found = false;
@@ -180,7 +187,7 @@ impl Intrinsic {
     /// Whether a half-edge may be flipped: it has two faces that lie as a convex quad, and the new edge would be new.
     fn can_flip(&self, h: u32) -> bool {
         let t = self.twin[h as usize];
-        if t == NONE || self.locked[h as usize] {
+        if t == NONE || self.is_feature(h) {
             return false;
         }
         let Layout { ab, c, d } = self.layout(h);
@@ -219,15 +226,15 @@ impl Intrinsic {
             let begin = self.begin[first as usize];
             (begin, begin + self.width(first) + self.width(second))
         });
-        let sides = [ad, ca, db, bc].map(|e| (self.twin[e as usize], l(e), self.locked[e as usize]));
+        let sides = [ad, ca, db, bc].map(|e| (self.twin[e as usize], l(e), self.curve[e as usize]));
         let (f, g) = (h / 3 * 3, t / 3 * 3);
-        let put = |s: &mut Self, e: u32, origin: u32, corner: (f64, f64), side: Option<(u32, f64, bool)>| {
+        let put = |s: &mut Self, e: u32, origin: u32, corner: (f64, f64), side: Option<(u32, f64, u32)>| {
             s.origin[e as usize] = origin;
             s.set_corner(e, corner.0, corner.1);
-            if let Some((twin, length, locked)) = side {
+            if let Some((twin, length, curve)) = side {
                 s.twin[e as usize] = twin;
                 s.length[e as usize] = length;
-                s.locked[e as usize] = locked;
+                s.curve[e as usize] = curve;
                 if twin != NONE {
                     s.twin[twin as usize] = e;
                 }
@@ -241,7 +248,7 @@ impl Intrinsic {
         put(self, g + 2, vc, (at_c[1], at_c[2]), None);
         for e in [f + 1, g + 2] {
             self.length[e as usize] = length;
-            self.locked[e as usize] = false;
+            self.curve[e as usize] = NONE;
         }
         self.twin[f as usize + 1] = g + 2;
         self.twin[g as usize + 2] = f + 1;
@@ -254,7 +261,7 @@ impl Intrinsic {
     /// Whether the edge of `h` meets Delaunay's condition: its two opposite angles sum to at most pi.
     pub fn is_delaunay(&self, h: u32) -> bool {
         let t = self.twin[h as usize];
-        if t == NONE || self.locked[h as usize] {
+        if t == NONE || self.is_feature(h) {
             return true;
         }
         let Layout { c, d, ab } = self.layout(h);
@@ -301,12 +308,12 @@ impl Intrinsic {
         self.leaving.push(NONE);
         let t = self.twin[h as usize];
         let whole = self.length[h as usize];
-        let locked = self.locked[h as usize];
+        let curve = self.curve[h as usize];
         let near = self.split_side(h, share, m);
         let (am, mb) = (h, near);
         for (e, part) in [(am, share), (mb, 1.0 - share)] {
             self.length[e as usize] = whole * part;
-            self.locked[e as usize] = locked;
+            self.curve[e as usize] = curve;
         }
         self.leaving[m as usize] = mb;
         if t == NONE {
@@ -316,7 +323,7 @@ impl Intrinsic {
             let ma = self.split_side(t, 1.0 - share, m);
             for (e, part) in [(t, 1.0 - share), (ma, share)] {
                 self.length[e as usize] = whole * part;
-                self.locked[e as usize] = locked;
+                self.curve[e as usize] = curve;
             }
             self.glue(am, ma);
             self.glue(mb, t);
@@ -336,11 +343,11 @@ impl Intrinsic {
         let (cb, ce) = (self.begin[ca as usize], self.end[ca as usize]);
         let c_middle = cb + (ce - cb) * at_c.clamp(0.0, 1.0);
         let b_corner = (self.begin[bc as usize], self.end[bc as usize]);
-        let outer = (self.twin[bc as usize], l(self, bc), self.locked[bc as usize]);
+        let outer = (self.twin[bc as usize], l(self, bc), self.curve[bc as usize]);
         // The old face becomes (a, m, c); the new one is (m, b, c).
         let new = self.push_face([m, vb, vc]);
         self.origin[bc as usize] = m;
-        self.locked[bc as usize] = false;
+        self.curve[bc as usize] = NONE;
         self.set_corner(ca, cb, c_middle);
         self.set_corner(bc, at_m, PI);
         self.set_corner(new, 0.0, at_m);
@@ -349,7 +356,7 @@ impl Intrinsic {
         self.length[bc as usize] = mc;
         self.glue(bc, new + 2);
         self.length[new as usize + 1] = outer.1;
-        self.locked[new as usize + 1] = outer.2;
+        self.curve[new as usize + 1] = outer.2;
         self.glue(new + 1, outer.0);
         self.leaving[vb as usize] = new + 1;
         self.leaving[vc as usize] = ca;
@@ -366,7 +373,7 @@ impl Intrinsic {
             let part = angle(self.length[h[k] as usize], lengths[k], lengths[(k + 1) % 3]);
             (part / self.corner(h[k]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
         });
-        let outer = h.map(|e| (self.twin[e as usize], self.length[e as usize], self.locked[e as usize]));
+        let outer = h.map(|e| (self.twin[e as usize], self.length[e as usize], self.curve[e as usize]));
         // Face k is (origin k, origin k + 1, p); the first reuses the old one.
         let faces = [3 * face, self.push_face([0; 3]), self.push_face([0; 3])];
         for k in 0..3 {
@@ -380,12 +387,12 @@ impl Intrinsic {
             let turn = (directions[n] - directions[k]).rem_euclid(2.0 * PI);
             self.set_corner(e + 2, directions[k], directions[k] + turn);
             self.length[e as usize] = outer[k].1;
-            self.locked[e as usize] = outer[k].2;
+            self.curve[e as usize] = outer[k].2;
             self.glue(e, outer[k].0);
             self.length[e as usize + 1] = lengths[n];
             self.length[e as usize + 2] = lengths[k];
-            self.locked[e as usize + 1] = false;
-            self.locked[e as usize + 2] = false;
+            self.curve[e as usize + 1] = NONE;
+            self.curve[e as usize + 2] = NONE;
             self.leaving[origins[k] as usize] = e;
         }
         for k in 0..3 {

@@ -1,0 +1,135 @@
+//! The ways out of a triangle: a search over its walks, and the rows that can come or go on the way.
+
+use super::super::edit::Edit;
+use super::super::{Engine, Kind};
+use super::rows::{self, Within};
+use super::walk::{self, Step};
+use rustc_hash::FxHashSet;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Edits of one triangle that are judged.
+const JUDGED: usize = 3;
+/// What a step costs besides, in squared valences.
+const STEP: f64 = 0.1;
+/// What the last step may make good at most.
+const HOPE: f64 = 2.5;
+/// Rows are looked for from edits that cost less.
+const CHEAP: f64 = 0.35;
+/// Edits that cost more are not followed.
+const MOST: f64 = 2.6;
+
+/// The edits in which a triangle and another one are no more.
+pub(super) fn ways_out<'e>(engine: &'e Engine, triangle: u32) -> Vec<(Kind, Edit<'e>)> {
+    search(engine, triangle).into_iter().map(|end| (end.kind, end.edit)).collect()
+}
+
+/// The cheapest edits in which the triangle is no more, by uniform-cost search over its steps.
+fn search<'e>(engine: &'e Engine, triangle: u32) -> Vec<End<'e>> {
+    let mut walked = vec![(Edit::new(engine.mesh), triangle)];
+    let mut seen: FxHashSet<[u32; 3]> = FxHashSet::default();
+    let mut heap: BinaryHeap<Reached> = BinaryHeap::new();
+    let mut ends = Ends { list: Vec::new() };
+    let (mut node, mut cost) = (0, 0.0);
+    loop {
+        let (edit, triangle) = (&walked[node].0, walked[node].1);
+        for side in 0..3 {
+            let corners = edit.face(triangle);
+            let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
+            if cost < CHEAP {
+                let longest = engine.options.longest_row;
+                let within = |ends: &Ends| Within { longest, most: ends.most() - cost };
+                let out = rows::take_out(edit, triangle, side, within(&ends));
+                ends.extend(Kind::RowOut, cost, out);
+                let rows = rows::put_in(edit, triangle, z, within(&ends));
+                ends.extend(Kind::RowIn, cost, rows);
+            }
+            let Some(next) = edit.across(x, y) else { continue };
+            match edit.face(next).len() {
+                3 => ends.extend(Kind::Meet, cost, walk::meet(edit, triangle, side, next)),
+                4 => heap.extend(walk::steps(edit, triangle, side, next).filter_map(|step| {
+                    let cost = cost + step.cost(edit) + STEP;
+                    (cost - HOPE < ends.most() && !seen.contains(&step.key())).then_some(Reached {
+                        cost,
+                        from: node,
+                        step,
+                    })
+                })),
+                _ => {}
+            }
+        }
+        if walked.len() == engine.options.searched {
+            return ends.list;
+        }
+        let next = loop {
+            let Some(next) = heap.pop() else { return ends.list };
+            if next.cost - HOPE > ends.most() {
+                return ends.list;
+            }
+            if seen.insert(next.step.key()) {
+                break next;
+            }
+        };
+        cost = next.cost;
+        node = walked.len();
+        walked.push(next.step.take(&walked[next.from].0));
+    }
+}
+
+/// A step that the search can take.
+struct Reached {
+    cost: f64,
+    /// Where from, by the order in which edits were reached.
+    from: usize,
+    step: Step,
+}
+
+impl Ord for Reached {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.cost.total_cmp(&self.cost).then(other.from.cmp(&self.from)).then(other.step.key().cmp(&self.step.key()))
+    }
+}
+
+impl PartialOrd for Reached {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Reached {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Reached {}
+
+/// An edit in which two triangles are no more.
+struct End<'a> {
+    kind: Kind,
+    edit: Edit<'a>,
+    cost: f64,
+}
+
+/// The cheapest of them, in order.
+struct Ends<'a> {
+    list: Vec<End<'a>>,
+}
+
+impl<'a> Ends<'a> {
+    /// What costs more is of no use.
+    fn most(&self) -> f64 {
+        self.list.get(JUDGED - 1).map_or(MOST, |end| end.cost)
+    }
+
+    fn extend(&mut self, kind: Kind, before: f64, edits: impl IntoIterator<Item = (f64, Edit<'a>)>) {
+        for (cost, edit) in edits {
+            let cost = before + cost;
+            if cost < self.most() && edit.is_sound() {
+                let place = self.list.partition_point(|end| end.cost <= cost);
+                self.list.insert(place, End { kind, edit, cost });
+                self.list.truncate(JUDGED);
+            }
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Faults are cut anew, go, or are split.
+//!
+//! # Theory
+//! A face is a fault where it is inverted, concave or without area: it spans a part thinner than a tile, or all of its corners
+//! lie on one feature curve. It is cut anew together with a face beside it in every way that leaves quads and triangles, one
+//! of its edges shrinks, two of its corners meet, a vertex of its curve goes, or it is split; by one change, or by two. Where
+//! all faces are to be quads and nothing else helps, a ring of quads is put about the corner opposite to a straight one.
+
+use super::super::edit::Edit;
+use super::super::{Engine, Kind, Quads};
+use super::recut::{collapsed, flipped, recut};
+use super::walk;
+use crate::mesh::incidence::sides;
+use crate::mesh::surface_mesh::Place;
+
+/// The edits about a fault.
+pub(super) fn untangled<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
+    let once = recuts_and_collapses(&Edit::new(engine.mesh), face);
+    let twice = once.iter().flat_map(|(kind, edit)| {
+        let faces: Vec<u32> = edit.changed().filter(|(_, c)| !c.is_empty()).map(|(face, _)| face).collect();
+        let again = faces.into_iter().flat_map(|face| recuts_and_collapses(edit, face)).collect::<Vec<_>>();
+        again.into_iter().map(|(_, edit)| (*kind, edit))
+    });
+    let mut edits: Vec<(Kind, Edit)> = twice.collect();
+    edits.extend(once);
+    edits.retain(|(_, edit)| may_be(engine, edit));
+    edits
+}
+
+/// Where all faces are to be quads no triangle may come.
+fn may_be(engine: &Engine, edit: &Edit) -> bool {
+    let is_triangle = |corners: &[u32]| usize::from(corners.len() == 3);
+    let come: usize = edit.changed().map(|(_, corners)| is_triangle(corners)).sum();
+    let gone: usize = edit.changed().map(|(face, _)| is_triangle(edit.before(face))).sum();
+    (engine.options.quads != Quads::All || come <= gone) && edit.is_sound_without(&dropped(edit))
+}
+
+/// The edits in which a face is cut anew together with one beside it, shrinks, or is split.
+fn recuts_and_collapses<'e>(edit: &Edit<'e>, face: u32) -> Vec<(Kind, Edit<'e>)> {
+    let corners = edit.face(face);
+    let count = corners.len();
+    let mut edits: Vec<(Kind, Edit)> = Vec::new();
+    if !(3..=4).contains(&count) {
+        return edits;
+    }
+    for side in 0..count {
+        let [a, b] = [corners[side], corners[(side + 1) % count]];
+        edits.extend(shrunk(edit, a, b).into_iter().map(|edit| (Kind::Collapse, edit)));
+        let Some(other) = edit.across(a, b) else { continue };
+        let beyond = edit.face(other);
+        let cut = match (count, beyond.len()) {
+            (3, _) => recut(edit, face, side),
+            (_, 3) => beyond.iter().position(|&v| v == b).map_or(Vec::new(), |at| recut(edit, other, at)),
+            _ => flipped(edit, face, side),
+        };
+        edits.extend(cut.into_iter().map(|edit| (Kind::Flip, edit)));
+        if count == 3 && beyond.len() == 3 {
+            edits.extend(walk::meet(edit, face, side, other).map(|(_, edit)| (Kind::Meet, edit)));
+        }
+    }
+    if count == 4 {
+        edits.extend((0..2).filter_map(|k| collapsed(edit, face, k)).map(|edit| (Kind::Collapse, edit)));
+        edits.extend((0..2).map(|k| (Kind::Split, split(edit, face, k))));
+    }
+    edits
+}
+
+/// The edits in which the ends of an edge are one. On a feature curve one of the two ends goes that is no corner.
+fn shrunk<'e>(edit: &Edit<'e>, a: u32, b: u32) -> Vec<Edit<'e>> {
+    if edit.is_free(a) || edit.is_free(b) {
+        let mut result = edit.clone();
+        return result.merge(a, b).map(|_| result).into_iter().collect();
+    }
+    let Some(curve) = edit.curve([a, b]) else { return Vec::new() };
+    let may_go = |&[_, goes]: &[u32; 2]| matches!(edit.vertex(goes).place, Place::OnCurve { curve: own, .. } if own == curve);
+    [[a, b], [b, a]]
+        .into_iter()
+        .filter(may_go)
+        .filter_map(|[stays, goes]| {
+            let next = feature_neighbours(edit, goes, curve).into_iter().find(|&w| w != stays)?;
+            // A closed curve of three edges cannot be shorter.
+            if edit.curve([stays, next]).is_some() {
+                return None;
+            }
+            let mut result = edit.clone();
+            result.set_feature([goes, stays], None);
+            result.set_feature([goes, next], None);
+            result.set_feature([stays, next], Some(curve));
+            result.absorb(stays, goes)?;
+            Some(result)
+        })
+        .collect()
+}
+
+/// The vertices on features that an edit leaves without a face, their feature edges having been joined.
+fn dropped(edit: &Edit) -> Vec<u32> {
+    let is_dropped = |v: &u32| {
+        let vertex = edit.vertex(*v);
+        let Place::OnCurve { curve, .. } = vertex.place else { return false };
+        let old = edit.changed().flat_map(|(face, _)| sides(edit.before(face)).collect::<Vec<_>>());
+        edit.valence(*v) == 0 && old.filter(|ends| ends.contains(v)).all(|ends| edit.curve(ends) != Some(curve))
+    };
+    edit.touched().into_iter().filter(is_dropped).collect()
+}
+
+/// The neighbours of a vertex along a feature curve.
+fn feature_neighbours(edit: &Edit, v: u32, curve: u32) -> Vec<u32> {
+    let mut ends: Vec<u32> = edit.around(v).flat_map(|face| edit.beside(face, v)).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    ends.retain(|&w| edit.curve([v, w]) == Some(curve));
+    ends
+}
+
+/// The edit that cuts a quad into two triangles from one of its corners.
+fn split<'a>(edit: &Edit<'a>, face: u32, corner: usize) -> Edit<'a> {
+    let corners = edit.face(face);
+    let [a, b, c, d] = [0, 1, 2, 3].map(|k| corners[(corner + k) % 4]);
+    let mut result = edit.clone();
+    result.set_face(face, &[a, b, c]);
+    result.add_face(&[a, c, d]);
+    result
+}

@@ -1,0 +1,66 @@
+//! The finished mesh: regions, sheets joined, model units, compared with the surface.
+
+use super::check::{Fault, Faults, Kind, check_joined, sort};
+use super::compare::{Difference, differences_of, uncovered};
+use super::join::{Joined, join};
+use super::objective::Context;
+use super::regions::with_regions;
+use super::surface_mesh::SurfaceMesh;
+use super::{Mesh, Triangulation};
+use crate::mosaic::{Mosaic, Seat};
+use rayon::prelude::*;
+
+/// A mesh and what became of the surface in it.
+#[derive(Clone, Debug, Default)]
+pub struct Finished {
+    /// The mesh, in model units.
+    pub mesh: Mesh,
+    /// Whether sheets of the surface meet at each of its vertices.
+    pub branches: Vec<bool>,
+    /// Its broken invariants, inverted faces among them, each with its place in model units.
+    pub faults: Faults,
+    /// What the mesh as a whole has otherwise than the surface.
+    pub differences: Vec<Difference>,
+}
+
+/// Finishes a mesh: its faces get their regions, sheets are joined where they meet, and the result is compared with the surface.
+pub fn finish(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic, triangulation: &Triangulation) -> Finished {
+    let surface = context.surface;
+    let mesh = mesh.compacted();
+    let (named, order) = with_regions(context, &mesh, mosaic);
+    let Joined { mesh: joined, mut branches, number } =
+        join(&named, &triangulation.joints(mesh.vertices().iter().map(|vertex| vertex.origin)));
+    let tips = context.tips_of_shared_curves();
+    for (v, vertex) in mesh.vertices().iter().enumerate() {
+        if let Some(Seat::Vertex(tip)) = mosaic.sites.get(vertex.origin as usize).map(|site| site.seat)
+            && tips.contains(&tip)
+        {
+            branches[number[v] as usize] = true;
+        }
+    }
+    let inverted: Vec<u32> = (0..)
+        .zip(&order)
+        .collect::<Vec<(u32, &u32)>>()
+        .into_par_iter()
+        .with_min_len(1024)
+        .filter(|&(_, &face)| mesh.is_inverted(context, face))
+        .map(|(face, _)| face)
+        .collect();
+    let mut differences = differences_of(&joined, surface);
+    differences.extend(uncovered(&joined, surface));
+    let joined = joined.placed(surface.frame());
+    let mut faults = check_joined(&joined, &branches);
+    faults.list.extend(inverted.into_iter().map(|face| Fault {
+        kind: Kind::FlippedFace { face },
+        at: joined.middle(joined.face(face as usize)).to_array(),
+    }));
+    sort(&mut faults.list);
+    Finished { mesh: joined, branches, faults, differences }
+}
+
+/// The mesh alone, its sheets joined, in model units.
+pub(crate) fn joined(context: &Context, mesh: &SurfaceMesh, triangulation: &Triangulation) -> Mesh {
+    let mesh = mesh.compacted();
+    let joints = triangulation.joints(mesh.vertices().iter().map(|vertex| vertex.origin));
+    join(&mesh.to_mesh(), &joints).mesh.placed(context.surface.frame())
+}

@@ -1,0 +1,143 @@
+//! The one test for inverted faces.
+//!
+//! # Theory
+//! A face is inverted where its normal points against the sheet that it lies on: the triangle of the surface nearest to its
+//! middle. Beside a sharp edge several triangles are equally near; those perpendicular to the face are walls beside it and
+//! have no vote, and one that agrees is enough. Where the sheets at the corners are known and all agree, as nearly everywhere,
+//! no triangle is searched for.
+
+use crate::surface::nearest::{EQUALLY_NEAR, Triangles};
+use crate::surface::{NONE, Surface};
+use glam::DVec3;
+use std::sync::OnceLock;
+
+/// The cosine of the largest angle between a face and the sheets at its corners that needs no search: 60 degrees.
+const AGREEMENT: f64 = 0.5;
+/// The cosine below which a triangle counts as perpendicular to a face: 3 degrees off.
+const PERPENDICULAR: f64 = 0.05;
+
+/// A surface whose triangles are sorted into a tree once a search is needed.
+pub(crate) struct Orientation<'a> {
+    surface: &'a Surface,
+    triangles: OnceLock<Triangles>,
+}
+
+impl<'a> Orientation<'a> {
+    pub(crate) fn new(surface: &'a Surface) -> Self {
+        Self { surface, triangles: OnceLock::new() }
+    }
+
+    /// The surface's triangles, for searches of the nearest.
+    pub(crate) fn triangles(&self) -> &Triangles {
+        self.triangles.get_or_init(|| Triangles::new(self.surface))
+    }
+
+    /// Whether a face with these corners, counter-clockwise and unit-sized, is inverted. `sheets` names the triangles of the
+    /// surface on the two sides of each corner, [`NONE`] where they are unknown.
+    pub(crate) fn is_inverted(&self, corners: &[DVec3], sheets: impl Iterator<Item = [u32; 2]>) -> bool {
+        let normal = normal(corners);
+        !self.agrees(normal, sheets) && self.vote(normal, middle(corners)).is_against
+    }
+
+    /// Whether all sheets that are known at a face's corners agree with its normal, and there is one.
+    fn agrees(&self, normal: DVec3, sheets: impl Iterator<Item = [u32; 2]>) -> bool {
+        let least = AGREEMENT * normal.length();
+        let mut known = sheets.filter(|sides| sides[0] != NONE).peekable();
+        let suits = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3().dot(normal) > least;
+        known.peek().is_some() && known.all(|[a, b]| suits(a) || suits(b))
+    }
+
+    /// What the triangles nearest to the middle of a face say of its normal, whatever its length.
+    pub(crate) fn vote(&self, normal: DVec3, middle: DVec3) -> Vote {
+        let unit = normal.normalize_or_zero();
+        let cosine = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3().dot(unit);
+        let triangles = self.triangles();
+        let (nearest, distance) = triangles.nearest(middle);
+        let first = cosine(nearest);
+        let is_against = first < PERPENDICULAR && {
+            let all = triangles.within(middle, distance + EQUALLY_NEAR).map(cosine);
+            let mut votes = all.filter(|cosine| cosine.abs() >= PERPENDICULAR);
+            votes.next().map_or(first < 0.0, |vote| vote < 0.0 && votes.all(|vote| vote < 0.0))
+        };
+        Vote { distance, is_against }
+    }
+}
+
+/// What the triangles nearest to the middle of a face say.
+pub(crate) struct Vote {
+    /// How far they are, unit-sized.
+    pub distance: f64,
+    /// Whether the face points against them.
+    pub is_against: bool,
+}
+
+/// Twice the vector area of a polygon.
+pub(crate) fn normal(corners: &[DVec3]) -> DVec3 {
+    let first = corners.first().copied().unwrap_or_default();
+    corners.windows(2).skip(1).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum()
+}
+
+/// The mean of the corners of a polygon.
+fn middle(corners: &[DVec3]) -> DVec3 {
+    corners.iter().sum::<DVec3>() / corners.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{FeatureOptions, Soup};
+
+    fn surface(points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Surface {
+        Surface::new(&Soup { points, triangles, ..Soup::default() }, &FeatureOptions::default()).unwrap()
+    }
+
+    /// Two squares of side 1, the lower one looking down, the upper one up, so far apart.
+    fn sheets(apart: f64) -> Surface {
+        let square = |z: f64| [[0.0, 0.0, z], [1.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]];
+        surface([square(0.0), square(apart)].concat(), vec![[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]])
+    }
+
+    fn unknown() -> impl Iterator<Item = [u32; 2]> {
+        [[NONE; 2]; 3].into_iter()
+    }
+
+    #[test]
+    fn the_nearest_sheet_decides_unless_all_corners_agree() {
+        let surface = sheets(0.1);
+        let orientation = Orientation::new(&surface);
+        let at = |[x, y, z]: [f64; 3]| DVec3::from(surface.frame().to_unit([x, y, z]));
+        // Counter-clockwise from above, two corners on the upper sheet and one on the lower.
+        let up = [at([0.4, 0.4, 0.1]), at([0.6, 0.4, 0.1]), at([0.5, 0.6, 0.0])];
+        let down = [up[0], up[2], up[1]];
+        assert!(!orientation.is_inverted(&up, unknown()));
+        assert!(orientation.is_inverted(&down, unknown()));
+        let low = down.map(|corner| corner - DVec3::Z * (at([0.0, 0.0, 0.1]) - at([0.0; 3])).z * 0.5);
+        assert!(!orientation.is_inverted(&low, unknown()), "the lower sheet is nearer");
+        assert!(!orientation.is_inverted(&down, [[0; 2]; 3].into_iter()), "all corners lie on the lower sheet");
+        assert!(orientation.is_inverted(&down, [[0; 2], [0; 2], [2; 2]].into_iter()));
+        let double = sheets(1e-6);
+        let orientation = Orientation::new(&double);
+        let flat = [[0.4, 0.4], [0.6, 0.4], [0.5, 0.6]].map(|[x, y]| DVec3::from(double.frame().to_unit([x, y, 0.0])));
+        assert!(!orientation.is_inverted(&flat, unknown()), "both sheets are equally near");
+        assert!(!orientation.is_inverted(&[flat[0], flat[2], flat[1]], unknown()));
+    }
+
+    /// A floor that looks up, and a wall below its edge at x = 1 that looks along x.
+    fn floor_and_wall() -> Surface {
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, -1.0], [1.0, 1.0, -1.0]];
+        surface(points.to_vec(), vec![[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])
+    }
+
+    #[test]
+    fn a_face_whose_corners_all_lie_on_a_rim_is_judged_by_its_own_sheet_and_not_by_the_wall() {
+        let surface = floor_and_wall();
+        let orientation = Orientation::new(&surface);
+        let at = |x: f64, y: f64| DVec3::from(surface.frame().to_unit([x, y, 0.0]));
+        // A triangle beyond the rim: floor and wall are equally near to it.
+        let down = [at(1.0, 0.2), at(1.1, 0.5), at(1.0, 0.8)].map(|p| p);
+        let up = [down[0], down[2], down[1]];
+        let rim = [[0, 2], [0, 2], [1, 3]];
+        assert_ne!(orientation.is_inverted(&down, rim.into_iter()), orientation.is_inverted(&up, rim.into_iter()));
+        assert!(!orientation.is_inverted(&down, rim.into_iter()), "counter-clockwise from above");
+    }
+}

@@ -1,0 +1,377 @@
+//! Relocation: vertices move along the surface to where their faces are best; the connectivity stays.
+//!
+//! # Theory
+//! Each face has a best-fitting regular polygon about its centre; a vertex is drawn to the mean of its places in those of
+//! its faces (shape matching). That is the best place where faces are nearly squares. Where they are not, the vertex tries
+//! places about it (a pattern search). A free vertex walks over the surface, one on a feature curve slides along it between
+//! its neighbours there, a corner stays. A move is kept where the [objective](super::objective) of the faces and feature
+//! edges at the vertex becomes better.
+//!
+//! # Practice
+//! Vertices that share no face move at once: the mesh is coloured, greedily in the order of the vertices, and the colours
+//! take turns. So the result does not depend on the number of threads. A vertex looks again only after a face of its own has
+//! changed.
+
+use super::metric::{Frame, laid, lifted};
+use super::objective::{Context, Measure, Score, TRIANGLE, chord_loss};
+use super::surface_mesh::{Place, Position, SurfaceMesh, walked};
+use crate::surface::NONE;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The shares of the way to its place in shape matching that a vertex tries.
+const STRIDES: [f64; 2] = [0.9, 0.4];
+/// The weight of a face below the floor in shape matching.
+const BAD: f64 = 3.0;
+/// The floor: faces of a smaller shape draw more.
+const FLOOR: f64 = 0.5;
+/// A vertex nearer to its place than this share of an edge stays.
+const SETTLED: f64 = 1e-3;
+/// Vertices of faces of a smaller shape search for their places in every pass, ...
+const POOR: f64 = 0.3;
+/// ... and those of faces of a smaller shape than this after the passes, ...
+const IMPERFECT: f64 = 0.8;
+/// ... in so many rounds.
+const ROUNDS: usize = 4;
+/// Further rounds over vertices of poor faces.
+const POOR_ROUNDS: usize = 8;
+/// How far a vertex tries to go in a search, in edges.
+const REACHES: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.025];
+/// Directions that a free vertex tries.
+const DIRECTIONS: u32 = 8;
+/// A search must gain so much.
+const GAIN: f64 = 1e-3;
+/// A vertex goes this share of the way to its neighbour on its curve at most.
+const NEAREST: f64 = 0.5;
+
+/// Moves the vertices in `passes` of shape matching, and then searches for the places of those of imperfect faces.
+pub fn relocate(context: &Context, mesh: &mut SurfaceMesh, passes: usize) {
+    if passes == 0 {
+        return;
+    }
+    let mut sweeps = Sweeps::new(context, mesh);
+    for _ in 0..passes {
+        sweeps.sweep(mesh, Step::Match);
+    }
+    for _ in 0..ROUNDS {
+        sweeps.sweep(mesh, Step::Search(IMPERFECT));
+    }
+    for _ in 0..POOR_ROUNDS {
+        if !sweeps.sweep(mesh, Step::Search(POOR)) {
+            break;
+        }
+    }
+}
+
+/// How a vertex looks for its place.
+#[derive(Clone, Copy)]
+enum Step {
+    /// By shape matching, and by a search where a face is poor.
+    Match,
+    /// By a search where a face has a smaller shape than this.
+    Search(f64),
+}
+
+/// The state of a relocation.
+struct Sweeps<'a> {
+    context: &'a Context<'a>,
+    /// Of each face; none where tiles are squares.
+    frames: Vec<Frame>,
+    measures: Vec<Measure>,
+    /// Vertices that have a face which changed since they looked for their place last.
+    waiting: Vec<bool>,
+    colours: Vec<Vec<u32>>,
+}
+
+impl<'a> Sweeps<'a> {
+    fn new(context: &'a Context<'a>, mesh: &SurfaceMesh) -> Self {
+        let all = 0..mesh.face_bound() as u32;
+        Self {
+            context,
+            frames: mesh.metric().frames(all.clone().map(|f| mesh.face(f))),
+            measures: all.into_par_iter().with_min_len(1024).map(|f| mesh.measure(context, f)).collect(),
+            waiting: vec![true; mesh.vertices().len()],
+            colours: colours(mesh),
+        }
+    }
+
+    /// Lets each waiting vertex look for its place once, colour by colour; whether any has moved.
+    fn sweep(&mut self, mesh: &mut SurfaceMesh, step: Step) -> bool {
+        let mut any = false;
+        for k in 0..self.colours.len() {
+            let view = View { sweeps: self, mesh };
+            let looks = |&&v: &&u32| self.waiting[v as usize] && view.may_gain(v, step);
+            let found: Vec<(u32, Option<Position>)> = self.colours[k]
+                .par_iter()
+                .with_min_len(128)
+                .filter(looks)
+                .map(|&v| (v, view.better(v, step)))
+                .collect();
+            for &(v, ref position) in &found {
+                self.waiting[v as usize] = false;
+                if let Some(position) = position {
+                    mesh.set_position(v, position, self.context.surface);
+                }
+            }
+            let moved = found.iter().filter(|(_, position)| position.is_some());
+            let faces: Vec<u32> = moved.flat_map(|&(v, _)| mesh.around(v)).copied().collect();
+            let measured: Vec<Measure> =
+                faces.par_iter().with_min_len(256).map(|&f| View { sweeps: self, mesh }.measure(f, None)).collect();
+            for (&f, measure) in faces.iter().zip(measured) {
+                self.measures[f as usize] = measure;
+                mesh.face(f).iter().for_each(|&v| self.waiting[v as usize] = true);
+            }
+            any |= !faces.is_empty();
+        }
+        any
+    }
+}
+
+/// A mesh between two moves.
+struct View<'a> {
+    sweeps: &'a Sweeps<'a>,
+    mesh: &'a SurfaceMesh,
+}
+
+impl View<'_> {
+    /// Whether a vertex has a face that the step is meant for.
+    fn may_gain(&self, v: u32, step: Step) -> bool {
+        match step {
+            Step::Match => true,
+            Step::Search(limit) => self.worst(v) < limit,
+        }
+    }
+
+    /// The least shape of the faces at a vertex, 0 where one is a fault.
+    fn worst(&self, v: u32) -> f64 {
+        let measures = self.mesh.around(v).iter().map(|&f| &self.sweeps.measures[f as usize]);
+        measures.map(|m| if m.is_fault { 0.0 } else { m.shape }).fold(1.0, f64::min)
+    }
+
+    /// The better position of a vertex, if one is found.
+    fn better(&self, v: u32, step: Step) -> Option<Position> {
+        let range = match self.mesh.vertex(v).place {
+            Place::Free => None,
+            Place::OnCurve { curve, s } => Some(self.range(v, curve, s)?),
+            Place::Corner => return None,
+        };
+        let current = Position::from(self.mesh.vertex(v));
+        let score = self.score(v, &current, range.as_ref());
+        if let Step::Match = step {
+            let found = self.matched(v, &current, score, range.as_ref());
+            if found.is_some() || self.worst(v) >= POOR {
+                return found;
+            }
+        }
+        self.searched(v, current, score, range.as_ref())
+    }
+
+    /// A step of shape matching, if it gains.
+    fn matched(&self, v: u32, current: &Position, score: Score, range: Option<&Range>) -> Option<Position> {
+        let way = self.target(v) - current.point;
+        let normal = self.mesh.vertex(v).normal;
+        let way = if range.is_none() { way - normal * normal.dot(way) } else { way };
+        let edge = self.mesh.mean_edge_at(v);
+        let length = range.map_or(way.length(), |range| way.dot(range.tangent).abs());
+        if length < SETTLED * edge {
+            return None;
+        }
+        STRIDES.into_iter().find_map(|stride| {
+            let position = self.moved(current, way * stride, range)?;
+            self.score(v, &position, range).beats(&score, 0.0).then_some(position)
+        })
+    }
+
+    /// The best position of a pattern search, if it gains.
+    fn searched(&self, v: u32, current: Position, score: Score, range: Option<&Range>) -> Option<Position> {
+        let edge = self.mesh.mean_edge_at(v);
+        let (mut best, mut least) = (current, score);
+        for reach in REACHES.map(|reach| reach * edge) {
+            let ways: Vec<DVec3> = match range {
+                Some(range) => vec![range.tangent * reach, range.tangent * -reach],
+                None => {
+                    let normal = self.sweeps.context.surface.normal(best.triangles[0] as usize).as_dvec3();
+                    let (across, along) = normal.any_orthonormal_pair();
+                    let angle = |k: u32| f64::from(k) * std::f64::consts::TAU / f64::from(DIRECTIONS);
+                    (0..DIRECTIONS).map(|k| (across * angle(k).cos() + along * angle(k).sin()) * reach).collect()
+                }
+            };
+            let tried = ways.into_iter().filter_map(|way| self.moved(&best, way, range));
+            let mut found = None;
+            for position in tried {
+                let score = self.score(v, &position, range);
+                if score.beats(&least, GAIN) {
+                    (found, least) = (Some(position), score);
+                }
+            }
+            best = found.unwrap_or(best);
+        }
+        (best != current).then_some(best)
+    }
+
+    /// The position at a displacement: over the surface, or along a curve within a range.
+    fn moved(&self, from: &Position, way: DVec3, range: Option<&Range>) -> Option<Position> {
+        let surface = self.sweeps.context.surface;
+        let Some(range) = range else { return Some(walked(surface, from.triangles[0], from.point, from.point + way)) };
+        let Place::OnCurve { curve, s } = from.place else { return None };
+        let line = self.sweeps.context.curve(curve);
+        let s = range.clamped(s + way.dot(range.tangent));
+        let half_edge = line.half_edges[line.segment(line.wrapped(s))];
+        let other = surface.twin(half_edge).unwrap_or(half_edge);
+        Some(Position {
+            point: line.point(surface, s),
+            place: Place::OnCurve { curve, s: line.wrapped(s) },
+            triangles: [half_edge / 3, other / 3],
+        })
+    }
+
+    /// Where shape matching draws a vertex.
+    fn target(&self, v: u32) -> DVec3 {
+        let here = self.mesh.point(v);
+        let (mut way, mut weight) = (DVec3::ZERO, 0.0);
+        for &f in self.mesh.around(v) {
+            let face = self.mesh.face(f);
+            let Some(at) = face.iter().position(|&w| w == v).filter(|_| face.len() <= 4) else { continue };
+            let low = self.sweeps.measures[f as usize].shape < FLOOR;
+            let share = if face.len() == 3 { TRIANGLE } else { 1.0 } * if low { BAD } else { 1.0 };
+            let frame = self.sweeps.frames.get(f as usize);
+            let corner = |k: usize| laid(frame, self.mesh.point(face[(at + k) % face.len()]));
+            way += (lifted(frame, regular(face.len(), corner)) - here) * share;
+            weight += share;
+        }
+        if weight > 0.0 { here + way / weight } else { here }
+    }
+
+    /// The score of the faces and feature edges at a vertex if it were at a position.
+    fn score(&self, v: u32, position: &Position, range: Option<&Range>) -> Score {
+        let faces: Score =
+            self.mesh.around(v).iter().map(|&f| self.measure(f, Some((v, position))).score(0.0)).sum();
+        let chords = range.map_or(0.0, |range| self.chords(v, position, range));
+        Score { loss: faces.loss + chords, ..faces }
+    }
+
+    /// The loss of the two feature edges at a vertex on a curve.
+    fn chords(&self, v: u32, position: &Position, range: &Range) -> f64 {
+        let Place::OnCurve { curve, s } = position.place else { return 0.0 };
+        let context = self.sweeps.context;
+        let line = context.curve(curve);
+        let s = range.unwrapped(s, line.length());
+        debug_assert!(self.mesh.vertex(v).place != Place::Free);
+        let chord = |other: f64| {
+            let length = line.point(context.surface, other).distance(position.point);
+            chord_loss(line.chord_distance(context.surface, s, other), length)
+        };
+        chord(range.before) + chord(range.after)
+    }
+
+    /// The measure of a face, one of its vertices at a position if asked.
+    fn measure(&self, f: u32, moved: Option<(u32, &Position)>) -> Measure {
+        let face = self.mesh.face(f);
+        let mut points = [DVec3::ZERO; 4];
+        let mut triangles = [[NONE; 2]; 4];
+        let before = &self.sweeps.measures[f as usize];
+        if face.len() > 4 {
+            return *before;
+        }
+        for (k, &w) in face.iter().enumerate() {
+            (points[k], triangles[k]) = match moved {
+                Some((v, position)) if v == w => (position.point, position.triangles),
+                _ => (self.mesh.point(w), self.mesh.vertex(w).triangles),
+            };
+        }
+        let (points, triangles) = (&points[..face.len()], &triangles[..face.len()]);
+        let frame = self.sweeps.frames.get(f as usize);
+        let orientation = &self.sweeps.context.orientation;
+        Measure::of(points, frame, Some(before), || orientation.is_inverted(points, triangles.iter().copied()))
+    }
+
+    /// How far a vertex on a curve may go; `None` where it has no neighbour on one side.
+    fn range(&self, v: u32, curve: u32, s: f64) -> Option<Range> {
+        let context = self.sweeps.context;
+        let line = context.curve(curve);
+        let (mut before, mut after) = (0.0_f64, 0.0_f64);
+        for w in self.mesh.along(v, curve) {
+            for way in line.ways(s, self.mesh.arc(context, w, curve, s)?) {
+                let nearest = if way < 0.0 { &mut before } else { &mut after };
+                if *nearest == 0.0 || way.abs() < nearest.abs() {
+                    *nearest = way;
+                }
+            }
+        }
+        let step = [before, after].map(|way| line.point(context.surface, s + NEAREST * way));
+        let tangent = (step[1] - step[0]).try_normalize()?;
+        (before < 0.0 && after > 0.0).then_some(Range { s, before: s + before, after: s + after, tangent })
+    }
+}
+
+/// The part of a curve between the neighbours of a vertex on it.
+struct Range {
+    /// The arc lengths of the vertex and its neighbours; on a closed curve they may be outside of it.
+    s: f64,
+    before: f64,
+    after: f64,
+    /// The direction along the curve.
+    tangent: DVec3,
+}
+
+impl Range {
+    fn clamped(&self, s: f64) -> f64 {
+        s.clamp(self.s + NEAREST * (self.before - self.s), self.s + NEAREST * (self.after - self.s))
+    }
+
+    /// The arc length between the neighbours that is the same place on a closed curve of a length.
+    fn unwrapped(&self, s: f64, length: f64) -> f64 {
+        [s, s - length, s + length].into_iter().find(|s| (self.before..=self.after).contains(s)).unwrap_or(s)
+    }
+}
+
+/// The vertices that may move, in sets of which no two share a face.
+fn colours(mesh: &SurfaceMesh) -> Vec<Vec<u32>> {
+    const UNCOLOURED: u8 = u8::MAX;
+    let mut colour = vec![UNCOLOURED; mesh.vertices().len()];
+    let mut sets: Vec<Vec<u32>> = Vec::new();
+    let mut taken = Vec::new();
+    for v in 0..mesh.vertices().len() as u32 {
+        if mesh.around(v).is_empty() || mesh.vertex(v).place == Place::Corner {
+            continue;
+        }
+        taken.clear();
+        taken.resize(sets.len() + 1, false);
+        for &w in mesh.around(v).iter().flat_map(|&f| mesh.face(f)) {
+            if colour[w as usize] != UNCOLOURED {
+                taken[colour[w as usize] as usize] = true;
+            }
+        }
+        // More than 255 colours would take a vertex of as many faces; what has none of its own stays.
+        let free = taken.iter().position(|taken| !taken).unwrap_or(0);
+        if free == sets.len() {
+            if free == UNCOLOURED as usize {
+                continue;
+            }
+            sets.push(Vec::new());
+        }
+        colour[v as usize] = free as u8;
+        sets[free].push(v);
+    }
+    sets
+}
+
+/// The first corner of the regular polygon that fits a polygon best; `corner` gives its corners in order.
+pub(crate) fn regular(count: usize, corner: impl Fn(usize) -> DVec3) -> DVec3 {
+    let centre = (0..count).map(&corner).sum::<DVec3>() / count as f64;
+    if count == 4 {
+        // The two arms of each diagonal, those of the other one turned by a right angle.
+        let (first, second) = (corner(0) - corner(2), corner(3) - corner(1));
+        let normal = second.cross(first).normalize_or_zero();
+        return centre + (first + normal.cross(second)) / 4.0;
+    }
+    let arm = |k: usize| corner(k % count) - centre;
+    let normal = (0..count).map(|k| arm(k).cross(arm(k + 1))).sum::<DVec3>().normalize_or_zero();
+    // The arms of the others, turned to where this one is, averaged.
+    let step = std::f64::consts::TAU / count as f64;
+    let turned = (0..count).map(|k| {
+        let (s, c) = (-(k as f64) * step).sin_cos();
+        arm(k) * c + normal.cross(arm(k)) * s
+    });
+    centre + turned.sum::<DVec3>() / count as f64
+}

@@ -1,0 +1,285 @@
+//! A polygon mesh on a surface: each vertex knows where on the surface it is and how it may move.
+//!
+//! # Theory
+//! A vertex is free on a face of the surface, lies on a feature curve at an arc length, or is a corner. The place is known
+//! from the sampling of the features on, and every later step reads and writes it here. The mesh may be edited: faces keep
+//! their ids while others are replaced, and [`SurfaceMesh::compacted`] is the one place where vertices get new ones.
+
+use super::incidence::{Rows, neighbours_in, sides, undirected};
+use super::{Mesh, Metric};
+use crate::surface::{NONE, Surface, WALK_EDGES, walk};
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+/// Where on the surface a vertex is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// Off all features: it may move over the surface.
+    Free,
+    /// On a feature curve: it may move along it.
+    OnCurve {
+        /// The curve, by its place in [`Features::curves`](crate::surface::Features::curves).
+        curve: u32,
+        /// The arc length from the curve's first vertex, unit-sized.
+        s: f64,
+    },
+    /// It does not move: a corner of features, a place that several sheets share, or a vertex that the topology needs.
+    Corner,
+}
+
+/// A vertex of a [`SurfaceMesh`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// Unit-sized coordinates.
+    pub point: DVec3,
+    /// Where on the surface it is.
+    pub place: Place,
+    /// The triangles of the surface on the two sides of its curve; the same twice where it is free or on a boundary, and
+    /// `u32::MAX` where more sheets meet.
+    pub triangles: [u32; 2],
+    /// Unit normal of the surface; rough on features.
+    pub normal: DVec3,
+    /// A unit tangent direction of the cross; rough on features.
+    pub axis: DVec3,
+    /// The number of faces that it should have: 4, and on features one for each right angle.
+    pub valence: u8,
+    /// The vertex of the triangulation that it is; `u32::MAX` for one that an edit has added.
+    pub origin: u32,
+}
+
+impl Vertex {
+    /// Whether it is off all features.
+    pub fn is_free(&self) -> bool {
+        self.place == Place::Free
+    }
+}
+
+/// The new position of a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Position {
+    pub point: DVec3,
+    pub place: Place,
+    /// See [`Vertex::triangles`].
+    pub triangles: [u32; 2],
+}
+
+impl From<&Vertex> for Position {
+    fn from(vertex: &Vertex) -> Self {
+        Self { point: vertex.point, place: vertex.place, triangles: vertex.triangles }
+    }
+}
+
+/// A polygon mesh on a surface, with the faces at each vertex.
+#[derive(Clone, Debug, Default)]
+pub struct SurfaceMesh {
+    vertices: Vec<Vertex>,
+    faces: Rows,
+    around: Rows,
+    /// The curve of each edge on a feature, the smaller end first. Boundary edges are among them.
+    features: FxHashMap<[u32; 2], u32>,
+    metric: Metric,
+}
+
+impl SurfaceMesh {
+    /// A mesh of these faces. `features` names the curve of each edge on a feature, the smaller end first; shapes are
+    /// measured in a metric.
+    pub(crate) fn new(
+        vertices: Vec<Vertex>,
+        faces: &[Vec<u32>],
+        features: FxHashMap<[u32; 2], u32>,
+        metric: Metric,
+    ) -> Self {
+        let rows = faces.iter().map(Vec::as_slice);
+        let around = Rows::transposed(rows, vertices.len());
+        let faces = Rows::new(faces.iter().map(Vec::len), faces.concat());
+        let mut mesh = Self { vertices, faces, around, features, metric };
+        for v in 0..mesh.vertices.len() as u32 {
+            if !mesh.vertices[v as usize].is_free() {
+                mesh.vertices[v as usize].valence = mesh.wanted_valence(v);
+            }
+        }
+        mesh
+    }
+
+    /// The vertices, those that no face has included.
+    pub fn vertices(&self) -> &[Vertex] {
+        &self.vertices
+    }
+
+    /// A vertex.
+    pub fn vertex(&self, v: u32) -> &Vertex {
+        &self.vertices[v as usize]
+    }
+
+    /// The coordinates of a vertex, unit-sized.
+    pub(crate) fn point(&self, v: u32) -> DVec3 {
+        self.vertices[v as usize].point
+    }
+
+    /// One more than the largest face id.
+    pub(crate) fn face_bound(&self) -> usize {
+        self.faces.count()
+    }
+
+    /// The vertices of a face in order; empty where the face is gone.
+    pub(crate) fn face(&self, face: u32) -> &[u32] {
+        self.faces.get(face)
+    }
+
+    /// The faces that are not gone.
+    pub fn faces(&self) -> impl Iterator<Item = &[u32]> + Clone {
+        self.faces.iter().filter(|face| !face.is_empty())
+    }
+
+    /// The faces at a vertex, in no geometric order.
+    pub(crate) fn around(&self, v: u32) -> &[u32] {
+        self.around.get(v)
+    }
+
+    /// The number of vertices that faces use.
+    pub(crate) fn used_vertices(&self) -> usize {
+        self.around.iter().filter(|faces| !faces.is_empty()).count()
+    }
+
+    /// What shapes are measured in.
+    pub(crate) fn metric(&self) -> &Metric {
+        &self.metric
+    }
+
+    /// The face that runs from `a` to `b`.
+    pub(crate) fn left(&self, a: u32, b: u32) -> Option<u32> {
+        self.around(a).iter().copied().find(|&face| neighbours_in(self.face(face), a)[1] == b)
+    }
+
+    /// The curve of an edge on a feature.
+    pub(crate) fn curve(&self, edge: [u32; 2]) -> Option<u32> {
+        let on = |v: u32| self.vertices.get(v as usize).is_some_and(|vertex| !vertex.is_free());
+        if edge.iter().all(|&v| on(v)) { self.features.get(&undirected(edge)).copied() } else { None }
+    }
+
+    /// The neighbours of a vertex along a feature curve.
+    pub(crate) fn along(&self, v: u32, curve: u32) -> impl Iterator<Item = u32> {
+        let ends = self.around(v).iter().flat_map(move |&face| neighbours_in(self.face(face), v));
+        let mut seen = [NONE; 2];
+        ends.filter(move |&w| {
+            let is_new = !seen.contains(&w) && self.curve([v, w]) == Some(curve);
+            if is_new {
+                seen = [w, seen[0]];
+            }
+            is_new
+        })
+    }
+
+    /// Adds a vertex, on no face yet; `like` is one whose metric it takes.
+    pub(crate) fn add_vertex(&mut self, vertex: Vertex, like: u32) -> u32 {
+        self.vertices.push(vertex);
+        self.around.add();
+        self.metric.copy(like);
+        self.vertices.len() as u32 - 1
+    }
+
+    /// Moves a vertex.
+    pub(crate) fn set_position(&mut self, v: u32, position: &Position, surface: &Surface) {
+        let vertex = &mut self.vertices[v as usize];
+        (vertex.point, vertex.place, vertex.triangles) = (position.point, position.place, position.triangles);
+        if vertex.is_free() {
+            vertex.normal = surface.normal(position.triangles[0] as usize).as_dvec3();
+        }
+    }
+
+    /// Gives a face other vertices, none where it is to go; a face that follows the last one is added.
+    pub(crate) fn set_face(&mut self, face: u32, corners: &[u32]) {
+        if face as usize == self.face_bound() {
+            self.faces.add();
+        }
+        for &v in self.faces.get(face) {
+            self.around.remove(v, face);
+        }
+        self.faces.set(face, corners);
+        for &v in corners {
+            self.around.push(v, face);
+        }
+    }
+
+    /// Takes note that an edge lies on a feature curve, or on none any more.
+    pub(crate) fn set_feature(&mut self, edge: [u32; 2], curve: Option<u32>) {
+        match curve {
+            Some(curve) => self.features.insert(undirected(edge), curve),
+            None => self.features.remove(&undirected(edge)),
+        };
+    }
+
+    /// The number of faces that a vertex on a feature should have: between two feature edges, one for each right angle.
+    fn wanted_valence(&self, v: u32) -> u8 {
+        let is_barrier = |a: u32, b: u32| self.left(b, a).is_none() || self.curve([a, b]).is_some();
+        let mut total = 0;
+        for &start in self.around(v) {
+            if !is_barrier(v, neighbours_in(self.face(start), v)[1]) {
+                continue;
+            }
+            let (mut face, mut angle) = (start, 0.0);
+            for _ in 0..=self.around(v).len() {
+                let [before, after] = neighbours_in(self.face(face), v);
+                let here = self.point(v);
+                angle += (self.point(before) - here).angle_between(self.point(after) - here);
+                if is_barrier(before, v) {
+                    break;
+                }
+                let Some(next) = self.left(v, before) else { break };
+                face = next;
+            }
+            total += (angle / std::f64::consts::FRAC_PI_2).round().max(1.0) as u8;
+        }
+        if total == 0 { self.around(v).len() as u8 } else { total }
+    }
+
+    /// The same mesh without the faces that are gone and the vertices that no face has, their order kept.
+    pub fn compacted(&self) -> Self {
+        let kept: Vec<u32> = (0..self.vertices.len() as u32).filter(|&v| !self.around(v).is_empty()).collect();
+        let mut number = vec![NONE; self.vertices.len()];
+        (0..).zip(&kept).for_each(|(new, &old)| number[old as usize] = new);
+        let faces: Vec<Vec<u32>> =
+            self.faces().map(|face| face.iter().map(|&v| number[v as usize]).collect()).collect();
+        let features = self.features.iter().map(|(ends, &curve)| (ends.map(|v| number[v as usize]), curve));
+        let around = Rows::transposed(faces.iter().map(Vec::as_slice), kept.len());
+        Self {
+            vertices: kept.iter().map(|&v| self.vertices[v as usize]).collect(),
+            around,
+            features: features.filter(|(ends, _)| !ends.contains(&NONE)).collect(),
+            metric: self.metric.of(&kept),
+            faces: Rows::new(faces.iter().map(Vec::len), faces.concat()),
+        }
+    }
+
+    /// The faces and coordinates alone, unit-sized; every vertex has a face once the mesh is compacted.
+    pub fn to_mesh(&self) -> Mesh {
+        let mut mesh = Mesh::new(self.vertices.iter().map(|vertex| vertex.point.to_array()).collect());
+        self.faces().for_each(|face| mesh.push_face(face));
+        mesh
+    }
+
+    /// The mean length of the sides that begin at a vertex.
+    pub(crate) fn mean_edge_at(&self, v: u32) -> f64 {
+        let faces = self.around(v);
+        let lengths = faces.iter().map(|&f| self.point(v).distance(self.point(neighbours_in(self.face(f), v)[1])));
+        lengths.sum::<f64>() / faces.len().max(1) as f64
+    }
+
+    /// The mean length of all edges.
+    pub(crate) fn mean_edge(&self) -> f64 {
+        let (sum, count) = self.faces().flat_map(sides).fold((0.0, 0usize), |(sum, count), [a, b]| {
+            (sum + self.point(a).distance(self.point(b)), count + 1)
+        });
+        sum / count.max(1) as f64
+    }
+}
+
+/// Where the straight way over the surface from a position towards a point ends. It does not cross features.
+pub(crate) fn walked(surface: &Surface, triangle: u32, from: DVec3, to: DVec3) -> Position {
+    let barrier = |h| surface.features().is_feature(h);
+    let normal = surface.normal(triangle as usize).as_dvec3();
+    let way = to - from;
+    let way = way - normal * normal.dot(way);
+    let foot = walk(surface, barrier, triangle, from.as_vec3(), way.as_vec3(), WALK_EDGES);
+    Position { point: foot.position.as_dvec3(), place: Place::Free, triangles: [foot.triangle; 2] }
+}
