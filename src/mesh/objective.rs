@@ -3,7 +3,7 @@
 //! # Theory
 //! Lexicographic: first the number of faults (faces that are inverted, concave or without area), then a loss in units of
 //! perfect quads. The loss of a face is what its shape lacks, and more below a floor, so that no face is given up for many;
-//! a triangle costs a price besides. The loss of a feature edge is the distance of its chord from the curve, over its length.
+//! a triangle costs a price besides. The loss of a feature edge grows with the distance of its chord from the curve.
 
 use super::metric::{Frame, laid};
 use super::orientation::{self, Orientation};
@@ -18,6 +18,10 @@ use rustc_hash::FxHashSet;
 const DEGENERATE: f64 = 0.01;
 /// Shapes below this lose more than what they lack.
 const FLOOR: f64 = 0.5;
+/// A least shape below this rises whatever the loss does.
+const POOR: f64 = 0.3;
+/// A least shape that rises by less than this is the same.
+const RISE: f64 = 1e-3;
 /// The further loss at shape 0.
 const BELOW_FLOOR: f64 = 2.0;
 /// The weight of a triangle's shape, against a quad's.
@@ -26,12 +30,15 @@ pub(crate) const TRIANGLE: f64 = 0.5;
 const TRIANGLE_FLOOR: f64 = 2.0;
 /// The cosine of the largest turn of a face's normal that cannot invert it: 60 degrees.
 const TURN: f64 = 0.5;
-/// Chords may leave their curve by this share of their length at little cost, ...
+/// Chords may leave their curve by this at little cost, in edges, ...
 const CLOSE: f64 = 0.12;
-/// ... the loss for each unit of that share, ...
-const CHORD: f64 = 0.5;
-/// ... and of what is beyond.
-const FAR_CHORD: f64 = 6.0;
+/// ... the loss for each edge, ...
+const CHORD: f64 = 1.5;
+/// ... and for the square of what is beyond.
+const FAR_CHORD: f64 = 20.0;
+
+/// The loss of a chord that leaves its curve too far.
+pub(crate) const FAR_CHORD_LOSS: f64 = CHORD * CLOSE;
 
 /// A surface, and what is asked of it while a mesh on it changes.
 pub struct Context<'a> {
@@ -63,31 +70,39 @@ impl<'a> Context<'a> {
     }
 }
 
-/// The value of some faces and edges: fewer faults are better, then less loss.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The value of some faces and edges: fewer faults are better, then a larger least shape below the floor, then less loss.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Score {
+    /// The number of faults.
     pub faults: u32,
+    /// The least shape, no more than that of a poor face.
+    pub least: f64,
+    /// In perfect quads.
     pub loss: f64,
 }
 
 impl Score {
-    /// Whether this is better than another by more than a margin of loss.
+    /// Whether this is better than another; by more than a margin, where it is the loss that decides.
     pub(crate) fn beats(&self, other: &Self, margin: f64) -> bool {
-        self.faults < other.faults || (self.faults == other.faults && self.loss < other.loss - margin)
+        let (faults, least) = (self.faults.cmp(&other.faults), self.least - other.least);
+        let rises = least > RISE;
+        faults.is_lt() || (faults.is_eq() && (rises || (least >= 0.0 && self.loss < other.loss - margin)))
     }
 }
 
-impl std::ops::Add for Score {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self { faults: self.faults + other.faults, loss: self.loss + other.loss }
+impl Default for Score {
+    fn default() -> Self {
+        Self { faults: 0, least: POOR, loss: 0.0 }
     }
 }
 
 impl std::iter::Sum for Score {
-    fn sum<I: Iterator<Item = Self>>(iter: I) -> Self {
-        iter.fold(Self::default(), |sum, score| sum + score)
+    fn sum<I: Iterator<Item = Self>>(scores: I) -> Self {
+        scores.fold(Self::default(), |sum, score| Self {
+            faults: sum.faults + score.faults,
+            least: sum.least.min(score.least),
+            loss: sum.loss + score.loss,
+        })
     }
 }
 
@@ -128,7 +143,7 @@ impl Measure {
             0..=3 => triangle_price + TRIANGLE * (1.0 - self.shape) + below(TRIANGLE_FLOOR * self.shape),
             _ => 1.0 - self.shape + below(self.shape),
         };
-        Score { faults: u32::from(self.is_fault), loss }
+        Score { faults: u32::from(self.is_fault), least: self.least().min(POOR), loss }
     }
 
     /// The shape of a quad; a triangle has one only where it is thin.
@@ -150,10 +165,9 @@ pub(crate) fn shape(corners: &[DVec3], frame: Option<&Frame>) -> f64 {
     }
 }
 
-/// The loss of a feature edge of this length whose curve leaves its chord by a distance.
-pub(crate) fn chord_loss(distance: f64, length: f64) -> f64 {
-    let share = if length > 0.0 { distance / length } else { 0.0 };
-    CHORD * share + (FAR_CHORD - CHORD) * (share - CLOSE).max(0.0)
+/// The loss of a feature edge whose curve leaves its chord by a distance, in edges.
+pub(crate) fn chord_loss(distance: f64) -> f64 {
+    CHORD * distance + FAR_CHORD * (distance - CLOSE).max(0.0).powi(2)
 }
 
 impl SurfaceMesh {
@@ -196,6 +210,21 @@ impl SurfaceMesh {
             }
             _ => None,
         }
+    }
+}
+
+impl SurfaceMesh {
+    /// The arc lengths of two neighbours on a curve; on a closed one the second may be beyond its ends.
+    pub(crate) fn arcs(&self, context: &Context, [a, b]: [u32; 2], curve: u32) -> Option<[f64; 2]> {
+        let line = context.curve(curve);
+        let own = |v: u32| match self.vertex(v).place {
+            Place::OnCurve { s, .. } => s,
+            _ => 0.0,
+        };
+        let from = self.arc(context, a, curve, own(b))?;
+        let to = self.arc(context, b, curve, from)?;
+        let way = line.ways(from, to).min_by(|x, y| x.abs().total_cmp(&y.abs()))?;
+        Some([from, from + way])
     }
 }
 

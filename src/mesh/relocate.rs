@@ -13,7 +13,7 @@
 //! changed.
 
 use super::metric::{Frame, laid, lifted};
-use super::objective::{Context, Measure, Score, TRIANGLE, chord_loss};
+use super::objective::{Context, FAR_CHORD_LOSS, Measure, Score, TRIANGLE, chord_loss};
 use super::surface_mesh::{Place, Position, SurfaceMesh, walked};
 use crate::surface::NONE;
 use glam::DVec3;
@@ -138,8 +138,16 @@ impl View<'_> {
     fn may_gain(&self, v: u32, step: Step) -> bool {
         match step {
             Step::Match => true,
-            Step::Search(limit) => self.worst(v) < limit,
+            Step::Search(limit) => self.worst(v) < limit || self.leaves_its_curve(v),
         }
+    }
+
+    /// Whether a chord from a vertex to its next on a feature curve leaves the curve too far.
+    fn leaves_its_curve(&self, v: u32) -> bool {
+        let vertex = self.mesh.vertex(v);
+        let Place::OnCurve { curve, s } = vertex.place else { return false };
+        let position = Position::from(vertex);
+        self.range(v, curve, s).is_some_and(|range| self.chords(v, &position, &range) > FAR_CHORD_LOSS)
     }
 
     /// The least shape of the faces at a vertex, 0 where one is a fault.
@@ -159,7 +167,7 @@ impl View<'_> {
         let score = self.score(v, &current, range.as_ref());
         if let Step::Match = step {
             let found = self.matched(v, &current, score, range.as_ref());
-            if found.is_some() || self.worst(v) >= POOR {
+            if found.is_some() || (self.worst(v) >= POOR && !self.leaves_its_curve(v)) {
                 return found;
             }
         }
@@ -244,8 +252,8 @@ impl View<'_> {
 
     /// The score of the faces and feature edges at a vertex if it were at a position.
     fn score(&self, v: u32, position: &Position, range: Option<&Range>) -> Score {
-        let faces: Score =
-            self.mesh.around(v).iter().map(|&f| self.measure(f, Some((v, position))).score(0.0)).sum();
+        let faces: Score = self
+            .mesh.around(v).iter().map(|&f| self.measure(f, Some((v, position))).score(0.0)).sum();
         let chords = range.map_or(0.0, |range| self.chords(v, position, range));
         Score { loss: faces.loss + chords, ..faces }
     }
@@ -257,10 +265,7 @@ impl View<'_> {
         let line = context.curve(curve);
         let s = range.unwrapped(s, line.length());
         debug_assert!(self.mesh.vertex(v).place != Place::Free);
-        let chord = |other: f64| {
-            let length = line.point(context.surface, other).distance(position.point);
-            chord_loss(line.chord_distance(context.surface, s, other), length)
-        };
+        let chord = |other: f64| chord_loss(line.chord_distance(context.surface, s, other) / range.edge);
         chord(range.before) + chord(range.after)
     }
 
@@ -300,7 +305,8 @@ impl View<'_> {
         }
         let step = [before, after].map(|way| line.point(context.surface, s + NEAREST * way));
         let tangent = (step[1] - step[0]).try_normalize()?;
-        (before < 0.0 && after > 0.0).then_some(Range { s, before: s + before, after: s + after, tangent })
+        let edge = self.mesh.mean_edge_at(v);
+        (before < 0.0 && after > 0.0).then_some(Range { s, before: s + before, after: s + after, tangent, edge })
     }
 }
 
@@ -312,6 +318,8 @@ struct Range {
     after: f64,
     /// The direction along the curve.
     tangent: DVec3,
+    /// The mean length of the edges at the vertex.
+    edge: f64,
 }
 
 impl Range {

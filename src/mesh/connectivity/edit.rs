@@ -139,6 +139,12 @@ impl<'a> Edit<'a> {
         changed.map_or_else(|| if key[1] < NEW { self.mesh.curve(key) } else { None }, |changed| changed.1)
     }
 
+    /// The edges whose curve the edit changes, with the curve before and after it.
+    pub(crate) fn changed_features(&self) -> impl Iterator<Item = ([u32; 2], [Option<u32>; 2])> {
+        let before = |edge: [u32; 2]| if edge[1] < NEW { self.mesh.curve(edge) } else { None };
+        self.change.features.iter().map(move |&(edge, after)| (edge, [before(edge), after]))
+    }
+
     /// The faces at a vertex, in no geometric order.
     pub(crate) fn around(&self, v: u32) -> impl Iterator<Item = u32> {
         let known = if v < NEW { self.mesh.around(v) } else { &[] };
@@ -165,11 +171,6 @@ impl<'a> Edit<'a> {
     /// The face across the side from `a` to `b` of a face, unless that is a feature.
     pub(crate) fn across(&self, a: u32, b: u32) -> Option<u32> {
         self.left(b, a).filter(|_| self.curve([a, b]).is_none())
-    }
-
-    /// Whether an edge joins two vertices.
-    pub(crate) fn joined(&self, a: u32, b: u32) -> bool {
-        self.around(a).any(|face| self.beside(face, a).contains(&b))
     }
 
     /// Whether a vertex lies on the boundary of the mesh.

@@ -19,7 +19,7 @@ pub(crate) mod edit;
 pub(crate) mod operations;
 mod patch;
 
-use super::objective::{Context, Measure, Score};
+use super::objective::{Context, Measure, Score, chord_loss};
 use super::surface_mesh::SurfaceMesh;
 use crate::surface::Surface;
 use edit::{Change, Edit, NEW};
@@ -335,8 +335,22 @@ impl<'a> Engine<'a> {
             return None;
         }
         let relief = if self.options.regularity > 0.0 { self.options.regularity * self.relief(edit) } else { 0.0 };
-        let gain = gain(before, after) + relief;
+        let gain = gain(before, after) + relief - self.chord_loss(edit);
         Some(Judged { gain, targets: relaxed.targets, core: relaxed.core })
+    }
+
+    /// By how much the loss of chords of feature curves grows.
+    fn chord_loss(&self, edit: &Edit) -> f64 {
+        let distance = |[a, b]: [u32; 2], curve: u32| {
+            let line = self.context.curve(curve);
+            let [from, to] = self.mesh.arcs(self.context, [a, b], curve)?;
+            Some(line.chord_distance(self.surface(), from, to) / self.mesh.mean_edge_at(a).max(f64::MIN_POSITIVE))
+        };
+        let loss = |edge: [u32; 2], curve: Option<u32>| {
+            let is_old = edge.iter().all(|&v| v < NEW);
+            curve.filter(|_| is_old).and_then(|curve| distance(edge, curve)).map_or(0.0, chord_loss)
+        };
+        edit.changed_features().map(|(edge, [before, after])| loss(edge, after) - loss(edge, before)).sum()
     }
 
     /// By how much the sum of squared differences of valences from the wanted ones falls.

@@ -330,7 +330,10 @@ fn parts(engine: &Engine, edit: &mut Edit, corners: &[u32], on_sides: &[Option<u
 fn split(engine: &Engine, edit: &mut Edit, [a, b]: [u32; 2]) -> u32 {
     let middle = (edit.point(a) + edit.point(b)) / 2.0;
     let faces = [edit.left(a, b), edit.left(b, a)];
-    let Some((curve, s)) = edit.curve([a, b]).and_then(|curve| Some((curve, halfway(engine, a, b, curve)?))) else {
+    let Some((curve, s)) = edit.curve([a, b]).and_then(|curve| {
+        let [from, to] = engine.mesh.arcs(engine.context, [a, b], curve)?;
+        Some((curve, engine.context.curve(curve).wrapped((from + to) / 2.0)))
+    }) else {
         let near: Vec<u32> = [a, b]
             .into_iter()
             .chain(faces.into_iter().flatten().flat_map(|face| engine.mesh.face(face).iter().copied()))
@@ -353,19 +356,6 @@ fn split(engine: &Engine, edit: &mut Edit, [a, b]: [u32; 2]) -> u32 {
     edit.set_feature([a, vertex], Some(curve));
     edit.set_feature([b, vertex], Some(curve));
     vertex
-}
-
-/// The arc length halfway between two vertices that are neighbours on a curve.
-fn halfway(engine: &Engine, a: u32, b: u32, curve: u32) -> Option<f64> {
-    let line = engine.context.curve(curve);
-    let own = |v: u32| match engine.mesh.vertex(v).place {
-        Place::OnCurve { s, .. } => s,
-        _ => 0.0,
-    };
-    let from = engine.mesh.arc(engine.context, a, curve, own(b))?;
-    let to = engine.mesh.arc(engine.context, b, curve, from)?;
-    let way = line.ways(from, to).min_by(|x, y| x.abs().total_cmp(&y.abs()))?;
-    Some(line.wrapped(from + way / 2.0))
 }
 
 /// A new vertex in the middle of a face.
