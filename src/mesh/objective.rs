@@ -23,7 +23,7 @@ const POOR: f64 = 0.3;
 /// A least shape that rises by less than this is the same.
 const RISE: f64 = 1e-3;
 /// The further loss at shape 0.
-const BELOW_FLOOR: f64 = 2.0;
+const BELOW_FLOOR: f64 = 3.0;
 /// The weight of a triangle's shape, against a quad's.
 pub(crate) const TRIANGLE: f64 = 0.5;
 /// A triangle is below the floor where so many times its shape is.

@@ -7,13 +7,15 @@
 //! thin triangle is cut anew together with the face beside it.
 
 use super::super::edit::Edit;
-use super::super::{Engine, Kind};
+use super::super::{Engine, Kind, Quads};
 use super::walk;
 
 /// A quad of a smaller shape is worth a look.
 const POOR: f64 = 0.7;
 /// So is a triangle of a smaller one.
 const NEEDLE: f64 = 0.3;
+/// A quad of a smaller shape may be split into two triangles.
+const SPLIT: f64 = 0.4;
 /// Irregular vertices of a quad that is worth a look.
 const IRREGULAR: usize = 2;
 
@@ -41,6 +43,9 @@ pub(super) fn recuts<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)>
     } else {
         edits.extend((0..4).flat_map(|side| flipped(&edit, face, side)).map(|edit| (Kind::Flip, edit)));
         edits.extend((0..2).filter_map(|k| collapsed(&edit, face, k)).map(|edit| (Kind::Collapse, edit)));
+        if engine.options.quads == Quads::Most && engine.measures[face as usize].shape < SPLIT {
+            edits.extend((0..2).map(|k| (Kind::Split, split(&edit, face, k))));
+        }
     }
     edits.retain(|(_, edit)| edit.is_sound());
     edits
@@ -128,4 +133,14 @@ pub(super) fn collapsed<'a>(edit: &Edit<'a>, face: u32, corner: usize) -> Option
     result.set_face(face, &[]);
     result.merge(a, b)?;
     Some(result)
+}
+
+/// The edit that cuts a quad into two triangles from one of its corners.
+pub(super) fn split<'a>(edit: &Edit<'a>, face: u32, corner: usize) -> Edit<'a> {
+    let corners = edit.face(face);
+    let [a, b, c, d] = [0, 1, 2, 3].map(|k| corners[(corner + k) % 4]);
+    let mut result = edit.clone();
+    result.set_face(face, &[a, b, c]);
+    result.add_face(&[a, c, d]);
+    result
 }

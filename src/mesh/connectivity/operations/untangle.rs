@@ -8,7 +8,7 @@
 
 use super::super::edit::Edit;
 use super::super::{Engine, Kind, Quads};
-use super::recut::{collapsed, flipped, recut};
+use super::recut::{collapsed, flipped, recut, split};
 use super::walk;
 use crate::mesh::incidence::sides;
 use crate::mesh::surface_mesh::Place;
@@ -110,14 +110,4 @@ fn feature_neighbours(edit: &Edit, v: u32, curve: u32) -> Vec<u32> {
     ends.dedup();
     ends.retain(|&w| edit.curve([v, w]) == Some(curve));
     ends
-}
-
-/// The edit that cuts a quad into two triangles from one of its corners.
-fn split<'a>(edit: &Edit<'a>, face: u32, corner: usize) -> Edit<'a> {
-    let corners = edit.face(face);
-    let [a, b, c, d] = [0, 1, 2, 3].map(|k| corners[(corner + k) % 4]);
-    let mut result = edit.clone();
-    result.set_face(face, &[a, b, c]);
-    result.add_face(&[a, c, d]);
-    result
 }
