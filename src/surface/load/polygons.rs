@@ -4,7 +4,7 @@ use super::super::{Regions, Soup, polygon};
 use super::Fault;
 use glam::DVec3;
 
-/// More corners of a face than are plausible: splitting takes their square in time.
+/// More corners of a face than are plausible: splitting the most intricate polygons takes their square in time.
 const MOST_CORNERS: usize = 20_000;
 
 /// Whether a face may have so many corners.
