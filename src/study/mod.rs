@@ -12,7 +12,6 @@
 //! A mosaic is made once and connected many times. After each connection the table of all rows is written: a study that was
 //! interrupted goes on where it was, as long as the surfaces, the options and the program's version are the same.
 
-mod canvas;
 mod charts;
 mod page;
 mod table;
