@@ -10,6 +10,7 @@ use quadmosaic::mesh::quality::Quality;
 use quadmosaic::mosaic::Rows;
 use quadmosaic::pipeline::{self, Fineness, Options};
 use quadmosaic::study::{self, Plan, StudyError, Subject, Table};
+use quadmosaic::surface::Regions;
 use std::cell::RefCell;
 use std::fs;
 use std::path::Path;
@@ -105,6 +106,15 @@ fn what_is_done_is_not_done_again() {
     let (table, said) = studied(folder.path(), &[other], &Plan { points: vec![150], ..plan() });
     assert_eq!(said.len(), 1 + 3);
     assert_ne!(table.rows[0].digest, whole.rows[0].digest);
+    // So is one with other regions, whose borders would be features.
+    let mut parted = subjects[0].clone();
+    let triangles = parted.soup.triangles.len();
+    let of_face = (0..triangles).map(|triangle| u32::from(2 * triangle > triangles)).collect();
+    parted.soup.regions = Regions { names: vec!["near".to_owned(), "far".to_owned()], of_face };
+    let (table, said) = studied(folder.path(), &[parted.clone()], &Plan { points: vec![150], ..plan() });
+    assert_eq!(said.len(), 1 + 3);
+    assert_ne!(table.rows[0].digest, whole.rows[0].digest);
+    assert_eq!(studied(folder.path(), &[parted], &Plan { points: vec![150], ..plan() }).1.len(), 0);
 }
 
 #[test]

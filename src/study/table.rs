@@ -31,7 +31,7 @@ impl Default for Table {
 pub struct Row {
     /// The surface's name.
     pub surface: String,
-    /// A number that stands for its triangles and for the options.
+    /// The BLAKE3 hash of its triangles, its regions and the options.
     pub digest: String,
     /// The vertices asked for.
     pub points: usize,
