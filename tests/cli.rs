@@ -770,7 +770,7 @@ fn a_study_fills_its_folder_and_says_what_it_found() {
     assert!(said.starts_with("example:torus:500, 150 points: Qr ") && said.contains("study.html"), "{said}");
     let csv = text(&desk.bytes("new/study/study.csv"));
     assert_eq!(csv.lines().count(), 3, "{csv}");
-    assert!(desk.path("new/study/torus_500-qr.png").is_file());
+    assert!(desk.path("new/study/torus_500-qr.svg").is_file());
     for (option, wrong) in [("--points", "6000,1"), ("--angles", "30,50"), ("--distances", "0.5"), ("--angles", "")] {
         desk.refusal(2, &["study", "example:torus", "-o", "s", option, wrong]);
     }

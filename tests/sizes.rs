@@ -248,6 +248,7 @@ fn files_of_all_styles_read_alike() {
         "x,y,z,size\r\n# two points\r\n\r\n1, 2, 3, .25 # first\r\n-1000,0,0.5,2".to_owned(),
         "\u{feff}Size Z name X Y\n0.25 3 nose 1 2\n2 0.5 tip -1e3 0\n".to_owned(),
         "size;x;y;z\n0.25;1;2;3\n2;-1000;0;0.5\n".to_owned(),
+        "\"x\",\"y\",\"z\",\"size\",\"note, free\"\n1,2,3,0.25,\"a, b\"\n-1000,0,0.5,2,\n".to_owned(),
         format!("{PLY}1 2 3 0.25\n-1000 0 0.5 2\n"),
     ];
     for text in texts {
@@ -271,6 +272,7 @@ fn wrong_files_are_refused_with_their_place() {
         ("x,y,z,h\n1,2,3,4\n", "line 1: the header names the columns [\"x\", \"y\", \"z\", \"h\"]"),
         ("x,y,z,size,size\n", "each once"),
         ("x,y,z,size\n1,2,3,4,5\n", "line 2: 5 values, not 4"),
+        ("x,y,z,size,note\n1,2,3,0.25,a, b\n", "line 2: 6 values, not 5"),
         ("", "holds no sizes"),
         ("# none\nx,y,z,size\n", "holds no sizes"),
         (&format!("{PLY}1 2 3 0.25\n-1000 0 0.5 0\n"), "vertex 1 (counted from 0): the size 0 is not above 0"),

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 ///
 /// For each surface and number of points one mosaic is made and connected many times: by each theta with L = 1.6, and by each L
 /// with theta = 30. Meshes are measured before clean-up, after the paper's clean-up (`mesh --quads paper`), and as `mesh` leaves them. The folder gets
-/// study.csv and study.json (a row each), charts of Qr, Qg, Tg and irregular vertices (SVG and PNG), pictures of mosaics and
+/// study.csv and study.json (a row each), charts of Qr, Qg, Tg and irregular vertices (SVG), pictures of mosaics and
 /// meshes, and study.html, which shows them all. Interrupted, and called again, it goes on.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]

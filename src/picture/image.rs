@@ -37,13 +37,8 @@ impl Image {
         Ok(image)
     }
 
-    /// A picture of nothing.
-    pub(crate) fn blank([width, height]: [u32; 2]) -> Self {
-        Self { width, height, pixels: vec![Colour::PAPER.0; width as usize * height as usize] }
-    }
-
     /// Mixes some of a colour into a pixel, 0 none, 1 all; outside of the picture nothing happens.
-    pub(crate) fn blend(&mut self, [x, y]: [i32; 2], colour: Colour, share: f32) {
+    pub(super) fn blend(&mut self, [x, y]: [i32; 2], colour: Colour, share: f32) {
         if (0..self.width as i32).contains(&x) && (0..self.height as i32).contains(&y) {
             let pixel = &mut self.pixels[y as usize * self.width as usize + x as usize];
             *pixel = Colour(*pixel).mixed(colour, share).0;

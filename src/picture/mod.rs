@@ -17,7 +17,7 @@ mod order;
 mod raster;
 mod scene;
 mod svg;
-pub(crate) mod text;
+mod text;
 mod view;
 
 pub use colour::Colour;

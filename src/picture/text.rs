@@ -5,7 +5,7 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 
 /// Letters of one height.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Letters(RasterHeight);
+pub(super) struct Letters(RasterHeight);
 
 impl Letters {
     /// The letters whose height in pixels, from line to line, is nearest to this one.

@@ -1,6 +1,7 @@
 //! Reads points with sizes from text or PLY.
 
 use crate::surface::load::{self, LoadError};
+use crate::surface::records::{Record, records};
 use std::path::Path;
 use std::{fs, io};
 use thiserror::Error;
@@ -94,9 +95,9 @@ const COLUMNS: [&str; 4] = ["x", "y", "z", "size"];
 
 /// Reads points with sizes, told apart by content.
 ///
-/// PLY: the element `vertex` has a property `size`. Text has a point a line: `x, y, z, size`, apart by commas, semicolons
-/// or blanks; a first line without any number names the columns, in any order and with others between them. Text after `#`
-/// and empty lines are passed over.
+/// PLY: the element `vertex` has a property `size`. CSV has a point a line: `x, y, z, size`, apart by commas, semicolons or
+/// blanks, one of them in the whole file; a first line without any number names the columns, in any order and with others
+/// between them. Text after `#` and empty lines are passed over.
 ///
 /// # Errors
 /// [`SizeFileError`] names the file and the place in it.
@@ -105,7 +106,7 @@ pub fn read_sizes(path: &Path) -> Result<Vec<SizeSample>, SizeFileError> {
     let bytes = fs::read(path).map_err(|source| SizeFileError::Unreadable { file: file.clone(), source })?;
     let samples = match load::ply_sizes(&bytes, &file) {
         Some(rows) => of_ply(&rows?, &file)?,
-        None => of_text(String::from_utf8_lossy(&bytes).trim_start_matches('\u{feff}'), &file)?,
+        None => of_text(&String::from_utf8_lossy(&bytes), &file)?,
     };
     if samples.is_empty() { Err(SizeFileError::NoSizes { file }) } else { Ok(samples) }
 }
@@ -119,25 +120,21 @@ fn of_ply(rows: &[[f64; 4]], file: &str) -> Result<Vec<SizeSample>, SizeFileErro
 
 fn of_text(text: &str, file: &str) -> Result<Vec<SizeSample>, SizeFileError> {
     let at_line = |line: usize| move |fault| SizeFileError::Line { file: file.to_owned(), line, fault };
-    let mut lines = (1..)
-        .zip(text.lines())
-        .map(|(line, content)| (line, words(content.split('#').next().unwrap_or_default())))
-        .filter(|(_, words)| !words.is_empty())
-        .peekable();
-    let header = lines.next_if(|(_, words)| words.iter().all(|word| word.parse::<f64>().is_err()));
+    let mut records = records(text).peekable();
+    let header = records.next_if(|record| record.values.iter().all(|value| value.parse::<f64>().is_err()));
     let (places, columns) = match header {
-        Some((line, names)) => (places(&names).map_err(at_line(line))?, names.len()),
+        Some(Record { line, values }) => (places(&values).map_err(at_line(line))?, values.len()),
         None => ([0, 1, 2, 3], 4),
     };
-    lines
-        .map(|(line, words)| {
-            if words.len() != columns {
-                return Err(at_line(line)(SizeFault::Count { count: words.len(), columns }));
+    records
+        .map(|Record { line, values }| {
+            if values.len() != columns {
+                return Err(at_line(line)(SizeFault::Count { count: values.len(), columns }));
             }
             let mut row = [0.0; 4];
-            for (value, &place) in row.iter_mut().zip(&places) {
-                let word = words[place];
-                *value = word.parse().map_err(|_| at_line(line)(SizeFault::NotANumber { word: word.to_owned() }))?;
+            for (number, &place) in row.iter_mut().zip(&places) {
+                let word = &values[place];
+                *number = word.parse().map_err(|_| at_line(line)(SizeFault::NotANumber { word: word.clone() }))?;
             }
             sample(row).map_err(at_line(line))
         })
@@ -145,23 +142,16 @@ fn of_text(text: &str, file: &str) -> Result<Vec<SizeSample>, SizeFileError> {
 }
 
 /// Where each of [`COLUMNS`] stands on a line.
-fn places(names: &[&str]) -> Result<[usize; 4], SizeFault> {
+fn places(names: &[String]) -> Result<[usize; 4], SizeFault> {
     let mut places = [0; 4];
     for (place, column) in places.iter_mut().zip(COLUMNS) {
         let mut found = (0..names.len()).filter(|&i| names[i].eq_ignore_ascii_case(column));
         match (found.next(), found.next()) {
             (Some(only), None) => *place = only,
-            _ => return Err(SizeFault::Header { found: names.iter().map(|&name| name.to_owned()).collect() }),
+            _ => return Err(SizeFault::Header { found: names.to_vec() }),
         }
     }
     Ok(places)
-}
-
-fn words(text: &str) -> Vec<&str> {
-    match [';', ','].into_iter().find(|&mark| text.contains(mark)) {
-        Some(mark) => text.split(mark).map(str::trim).collect(),
-        None => text.split_whitespace().collect(),
-    }
 }
 
 fn sample(row: [f64; 4]) -> Result<SizeSample, SizeFault> {

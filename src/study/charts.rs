@@ -1,24 +1,22 @@
 //! The charts of a study: a measure by theta and by L, as the paper's figure 6 has them, and by the fit.
 
-use super::canvas::Canvas;
 use super::{Figures, Plan, Row, StudyError, Subject, Table};
 use crate::export::atomic;
-use crate::picture::Image;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::Path;
 
-/// Pixels of a chart.
+/// The size of a chart, in SVG's units.
 const SIZE: (u32, u32) = (1200, 560);
-/// Height of letters, in pixels.
+/// Height of letters, in the same.
 const LETTERS: i32 = 20;
 
 /// A measure that has a chart.
 pub(super) struct Measure {
     /// Its name on the chart.
     pub name: &'static str,
-    /// How the name of its files ends.
+    /// How the name of its file ends.
     pub stem: &'static str,
     of: Of,
     scale: Scale,
@@ -69,27 +67,19 @@ pub(super) fn measures(plan: &Plan) -> impl Iterator<Item = &'static Measure> {
     MEASURES.iter().filter(shown)
 }
 
-/// The name of a chart's file, without its ending.
-pub(super) fn stem(subject: &Subject, measure: &Measure) -> String {
-    format!("{}-{}", subject.stem, measure.stem)
+/// The name of a chart's file.
+pub(super) fn file(subject: &Subject, measure: &Measure) -> String {
+    format!("{}-{}.svg", subject.stem, measure.stem)
 }
 
-/// Writes the charts of a surface as SVG and PNG.
+/// Writes the charts of a surface as SVG.
 pub(super) fn write(folder: &Path, subject: &Subject, plan: &Plan, table: &Table) -> Result<(), StudyError> {
     for measure in measures(plan) {
-        let chart = Chart::new(subject, plan, table, measure);
-        let path = |ending: &str| folder.join(format!("{}.{ending}", stem(subject, measure)));
-        let failed = |path: &Path, reason: String| StudyError::Chart { path: path.to_owned(), reason };
-
-        let svg = path("svg");
+        let path = folder.join(file(subject, measure));
         let mut text = String::new();
-        chart.draw(SVGBackend::with_string(&mut text, SIZE)).map_err(|reason| failed(&svg, reason))?;
-        atomic(&svg, |writer| writer.write_all(text.as_bytes()))?;
-
-        let png = path("png");
-        let mut image = Image::blank([SIZE.0, SIZE.1]);
-        chart.draw(Canvas(&mut image)).map_err(|reason| failed(&png, reason))?;
-        atomic(&png, |writer| image.write_png(writer))?;
+        let drawn = Chart::new(subject, plan, table, measure).draw(SVGBackend::with_string(&mut text, SIZE));
+        drawn.map_err(|error| StudyError::Chart { path: path.clone(), reason: error.to_string() })?;
+        atomic(&path, |writer| writer.write_all(text.as_bytes()))?;
     }
     Ok(())
 }
@@ -183,11 +173,8 @@ impl Chart {
         Self { title, axes, series, low, high }
     }
 
-    fn draw(&self, backend: impl DrawingBackend) -> Result<(), String> {
-        self.drawn(backend.into_drawing_area()).map_err(|error| error.to_string())
-    }
-
-    fn drawn<B: DrawingBackend>(&self, area: DrawingArea<B, Shift>) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    fn draw<B: DrawingBackend>(&self, backend: B) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+        let area = backend.into_drawing_area();
         area.fill(&WHITE)?;
         let (title, rest) = area.split_vertically(2 * LETTERS);
         let style = ("sans-serif", LETTERS + 4).into_text_style(&title);

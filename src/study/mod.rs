@@ -12,7 +12,6 @@
 //! A mosaic is made once and connected many times. After each connection the table of all rows is written: a study that was
 //! interrupted goes on where it was, as long as the surfaces, the options and the program's version are the same.
 
-mod canvas;
 mod charts;
 mod page;
 mod table;
@@ -26,9 +25,7 @@ use crate::mesh::connect::ConnectOptions;
 use crate::mesh::triangulate::triangulate;
 use crate::picture::{Paint, PictureError, Scene, View, mesh_scene, mosaic_scene, write_picture};
 use crate::pipeline::{self, Fineness, Meshed, Options, PipelineError, prepare};
-use crate::surface::Soup;
-use rustc_hash::FxHasher;
-use std::hash::{Hash, Hasher};
+use crate::surface::{Regions, Soup};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -161,15 +158,18 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// A number that another surface, or this one with other options, hardly has.
+    /// A hash that another surface, or this one with other options, does not have. The text that options are shown as has
+    /// all of them; it is the same for one version of the program, and rows of another version are not read again.
     fn digest(&self, plan: &Plan) -> String {
-        let mut hasher = FxHasher::default();
         let connect = ConnectOptions::default();
         let options = Options { fineness: Fineness::Points(0), fit: 0.0, connect, ..plan.options.clone() };
-        format!("{options:?}").hash(&mut hasher);
-        self.soup.points.as_flattened().iter().for_each(|x| x.to_bits().hash(&mut hasher));
-        self.soup.triangles.hash(&mut hasher);
-        format!("{:016x}", hasher.finish())
+        let Soup { points, triangles, regions: Regions { names, of_face } } = &self.soup;
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(format!("{options:?} {names:?} {} {}", points.len(), triangles.len()).as_bytes());
+        hasher.update(bytemuck::cast_slice(points));
+        hasher.update(bytemuck::cast_slice(triangles));
+        hasher.update(bytemuck::cast_slice(of_face));
+        hasher.finalize().to_string()
     }
 
     fn file(&self, points: usize, what: &str) -> String {

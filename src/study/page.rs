@@ -1,6 +1,6 @@
 //! The page of a study: its table, charts and pictures in one file that needs no other.
 
-use super::charts::{measures, stem};
+use super::charts::{self, measures};
 use super::{Figures, Plan, Row, StudyError, Subject, Table};
 use crate::export::atomic;
 use base64::prelude::{BASE64_STANDARD, Engine};
@@ -40,7 +40,7 @@ pub(super) fn write(folder: &Path, subjects: &[Subject], plan: &Plan, table: &Ta
     for subject in subjects {
         page.push_str(&format!("<h2>{}</h2>\n", escaped(&subject.name)));
         for measure in measures(plan) {
-            let svg = read(folder, &format!("{}.svg", stem(subject, measure)))?;
+            let svg = read(folder, &charts::file(subject, measure))?;
             page.push_str(&format!("<div class=\"chart\">{}</div>\n", String::from_utf8_lossy(&svg)));
         }
         for &points in &plan.points {

@@ -31,7 +31,7 @@ impl Default for Table {
 pub struct Row {
     /// The surface's name.
     pub surface: String,
-    /// A number that stands for its triangles and for the options.
+    /// The BLAKE3 hash of its triangles, its regions and the options.
     pub digest: String,
     /// The vertices asked for.
     pub points: usize,
@@ -136,26 +136,68 @@ pub(super) fn write(folder: &Path, table: &Table) -> Result<(), WriteError> {
     })
 }
 
-/// Before the three parts of figures, and after them.
-const HEADER: [&str; 2] = ["surface,points,theta,L,fit", "holes,faults,side_range,mosaic_ms,mesh_ms"];
-
 fn csv(writer: &mut dyn Write, table: &Table) -> io::Result<()> {
-    write!(writer, "{}", HEADER[0])?;
+    let mut writer = csv::Writer::from_writer(writer);
+    let mut header = ["surface", "points", "theta", "L", "fit"].map(str::to_owned).to_vec();
     for of in ["_before", "_cleaned", ""] {
-        for name in ["vertices", "quads", "triangles", "Qr", "Qg", "Tg", "irregular"] {
-            write!(writer, ",{name}{of}")?;
-        }
+        let names = ["vertices", "quads", "triangles", "Qr", "Qg", "Tg", "irregular"];
+        header.extend(names.map(|name| format!("{name}{of}")));
     }
-    writeln!(writer, ",{}", HEADER[1])?;
+    header.extend(["holes", "faults", "side_range", "mosaic_ms", "mesh_ms"].map(str::to_owned));
+    writer.write_record(&header)?;
     for row in &table.rows {
-        let name = format!("\"{}\"", row.surface.replace('"', "\"\""));
-        let Row { points, max_angle, max_distance, fit, holes, faults, side_range, mosaic_ms, mesh_ms, .. } = row;
-        write!(writer, "{name},{points},{max_angle},{max_distance},{fit}")?;
+        let Row { surface, points, max_angle, max_distance, fit, .. } = row;
+        let mut values = vec![surface.clone(), points.to_string()];
+        values.extend([max_angle, max_distance, fit].map(f64::to_string));
         for Figures { vertices, quads, triangles, qr, qg, tg, irregular } in row.figures() {
-            let [qg, tg] = [qg, tg].map(|mean| mean.map_or(String::new(), |mean| format!("{mean:.5}")));
-            write!(writer, ",{vertices},{quads},{triangles},{qr:.5},{qg},{tg},{irregular}")?;
+            let mean = |mean: Option<f64>| mean.map_or(String::new(), |mean| format!("{mean:.5}"));
+            values.extend([vertices, quads, triangles].map(usize::to_string));
+            values.extend([mean(Some(*qr)), mean(*qg), mean(*tg), irregular.to_string()]);
         }
-        writeln!(writer, ",{holes},{faults},{side_range:.3},{mosaic_ms},{mesh_ms}")?;
+        let Row { holes, faults, side_range, mosaic_ms, mesh_ms, .. } = row;
+        values.extend([holes.to_string(), faults.to_string(), format!("{side_range:.3}")]);
+        values.extend([mosaic_ms, mesh_ms].map(f64::to_string));
+        writer.write_record(&values)?;
     }
-    Ok(())
+    writer.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_has_the_columns_of_the_header() {
+        let figures = Figures { vertices: 9, quads: 4, triangles: 0, qr: 1.0, qg: Some(0.5), tg: None, irregular: 1 };
+        let row = Row {
+            surface: "a \"wing\", half".to_owned(),
+            digest: String::new(),
+            points: 10,
+            max_angle: 30.0,
+            max_distance: 1.6,
+            fit: 0.0,
+            before: figures,
+            cleaned: figures,
+            after: figures,
+            holes: 2,
+            faults: 0,
+            side_range: 1.5,
+            mosaic_ms: 3.1,
+            mesh_ms: 4.0,
+            warnings: Vec::new(),
+        };
+        let table = Table { rows: vec![row], ..Table::default() };
+        let mut bytes = Vec::new();
+        csv(&mut bytes, &table).expect("memory can be written");
+        let text = String::from_utf8(bytes).expect("it is text");
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let header = reader.headers().expect("there is one").clone();
+        let rows: Vec<_> = reader.records().collect::<Result<_, _>>().expect("all rows are as long as the header");
+        let value = |name: &str| rows[0].get(header.iter().position(|column| column == name)?);
+        for (name, wanted) in [("surface", "a \"wing\", half"), ("L", "1.6"), ("Qg_before", "0.50000"), ("Tg", "")] {
+            assert_eq!(value(name), Some(wanted), "{name}");
+        }
+        assert_eq!((rows.len(), value("irregular"), value("mesh_ms")), (1, Some("1"), Some("4")));
+        assert_ne!(text.lines().nth(1).map(|line| line.split(',').count()), Some(header.len()), "the name has a comma");
+    }
 }

@@ -1,5 +1,6 @@
 //! Reads feature edges from text: two points or two vertex numbers a line.
 
+use super::records::{Record, records};
 use std::path::Path;
 use std::{fs, io};
 use thiserror::Error;
@@ -47,7 +48,7 @@ pub enum EdgeFileError {
 }
 
 /// Reads one edge a line: two vertex numbers as the surface's file has them, counted from 1, or the six coordinates of two
-/// points in model units, apart by commas or blanks. Text after `#` and empty lines are passed over.
+/// points in model units, apart by commas, semicolons or blanks. Text after `#` and empty lines are passed over.
 ///
 /// # Errors
 /// [`EdgeFileError`] names the file and the line.
@@ -55,19 +56,18 @@ pub fn read_edges(path: &Path) -> Result<Vec<NamedEdge>, EdgeFileError> {
     let file = path.display().to_string();
     let bytes = fs::read(path).map_err(|source| EdgeFileError::Unreadable { file: file.clone(), source })?;
     let text = String::from_utf8_lossy(&bytes);
-    (1..)
-        .zip(text.trim_start_matches('\u{feff}').lines())
-        .map(|(line, content)| (line, content.split('#').next().unwrap_or_default().trim()))
-        .filter(|(_, content)| !content.is_empty())
-        .map(|(line, content)| {
-            let ends = ends(content).map_err(|fault| EdgeFileError::Line { file: file.clone(), line, fault })?;
+    records(&text)
+        .map(|Record { line, values }| {
+            let ends = ends(&values).map_err(|fault| EdgeFileError::Line { file: file.clone(), line, fault })?;
             Ok(NamedEdge { ends, name: format!("{file}, line {line}") })
         })
         .collect()
 }
 
-fn ends(line: &str) -> Result<Ends, String> {
-    let words: Vec<&str> = line.split([',', ' ', '\t', ';']).filter(|word| !word.is_empty()).collect();
+fn ends(values: &[String]) -> Result<Ends, String> {
+    // The coordinates of a point may stand closer together than its two points.
+    let words = values.iter().flat_map(|value| value.split([',', ' ', '\t'])).filter(|word| !word.is_empty());
+    let words: Vec<&str> = words.collect();
     match words.len() {
         2 => {
             let number = |word: &str| match word.parse::<u32>() {
@@ -105,8 +105,10 @@ mod tests {
 
     #[test]
     fn numbers_and_points_are_read() {
-        let edges = read("# two edges\n1 7\n\n0,0,0, 1,-2,3.5 # the second\n").expect("they are edges");
+        let edges =
+            read("# two edges\n1 7\n\n0,0,0, 1,-2,3.5 # the second\n0 0 0, 1 -2 3.5\n").expect("they are edges");
         assert_eq!(edges[0].ends, Ends::Vertices([0, 6]));
+        assert_eq!(edges[2].ends, edges[1].ends);
         assert_eq!(edges[1].ends, Ends::Points([[0.0; 3], [1.0, -2.0, 3.5]]));
         assert!(edges[1].name.ends_with("edges.txt, line 4"), "{}", edges[1].name);
     }

@@ -17,6 +17,7 @@ pub mod load;
 mod named_edges;
 pub(crate) mod nearest;
 mod polygon;
+pub(crate) mod records;
 mod regions;
 mod repairs;
 mod ridges;

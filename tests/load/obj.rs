@@ -67,6 +67,25 @@ fn vertices_stay_as_the_file_has_them() {
     assert!(soup.points[1][0].is_nan(), "no face uses it");
 }
 
+/// Faces use the vertices backwards, in groups that share some of them, and two vertices are at one place.
+#[test]
+fn vertices_keep_the_order_of_the_file() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 1 0\nv 1 1 0\ng a\nf 5 4 2\ng b\nf 3 2 1\n";
+    let soup = parse(text, "backwards").expect("it is valid");
+    assert_eq!(soup.points, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]]);
+    assert_eq!(soup.triangles, [[4, 3, 1], [2, 1, 0]]);
+    let forwards = parse(text.replace("f 3 2 1", "f 1 2 3"), "forwards").expect("it is valid");
+    assert_ne!(forwards.triangles, soup.triangles);
+}
+
+#[test]
+fn coordinates_are_doubles() {
+    let third = 1.0 / 3.0;
+    let soup = parse(format!("v {third} 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "thirds").expect("it is valid");
+    assert_eq!(soup.points[0][0], third);
+    assert_ne!(soup.points[0][0], f64::from(third as f32), "single precision would show");
+}
+
 #[test]
 fn groups_are_regions() {
     let triangles = ["f 1 2 3", "f 1 3 4", "f 2 3 4"];
@@ -94,13 +113,15 @@ fn groups_are_regions() {
     assert_eq!(parse(&latin, "latin").expect("it is valid").regions.names, ["Fl\u{fffd}gel"]);
 }
 
-/// Splitting a polygon takes the square of its corners in time: what is no polygon must not take hours.
+/// Splitting a polygon that crosses itself could take the cube of its corners in time: it must not take hours.
 #[test]
 fn faces_of_too_many_corners_are_refused() {
     let points: String = (0..20_001).map(|v| format!("v {} {} 0\n", v * v % 4099, v * 31 % 5003)).collect();
     let face = |corners: usize| (1..=corners).map(|index| format!(" {index}")).collect::<String>();
     let soup = parse(format!("{points}f{}\n", face(3_000)), "wild").expect("no polygon, but small");
     assert_eq!(soup.triangles.len(), 2_998);
+    let soup = parse(format!("{points}f{}\n", face(20_000)), "wild").expect("no polygon, but not too large");
+    assert_eq!(soup.triangles.len(), 19_998);
     let error = parse(format!("{points}f{}\n", face(20_001)), "wild").expect_err("it is too large").to_string();
     assert_eq!(error, "wild, line 20002: the face has 20001 corners but may have 20000 at most; split it");
 }
@@ -174,6 +195,9 @@ fn wrong_lines_are_named() {
         (format!("{SQUARE}f 1 2 3\nf 1 2 x\nf 1 2 3\n"), 6, NotAnIndex { word: word("x") }, false),
         (format!("{SQUARE}f 1 2 3.0\n"), 5, NotAnIndex { word: word("3.0") }, false),
         (format!("{SQUARE}f 1 2 3 /1\n"), 5, NotAnIndex { word: word("/1") }, false),
+        (format!("{SQUARE}f 1 2 3/x\n"), 5, NotAnIndex { word: word("3/x") }, false),
+        (format!("{SQUARE}f 1 2 3/1/1/1\n"), 5, NotAnIndex { word: word("3/1/1/1") }, false),
+        (format!("v 9 9 9 0\n{SQUARE}f 2 3 4\n"), 1, ZeroWeight, false),
         (format!("{SQUARE}f 1 2 99999999999999999999\n"), 5, NotAnIndex { word: word("99999999999999999999") }, false),
         (format!("{SQUARE}f 1 2 3{}\n", "\r\nf 1 2 7"), 6, IndexOutOfRange { index: 7, vertices: 4 }, false),
     ];

@@ -1,6 +1,7 @@
 //! Guides from lines of numbers.
 
 use super::{Guide, GuideFault, GuideFileError, checked};
+use crate::surface::records::{Record, records};
 use std::str::FromStr;
 
 /// The columns, in the order that they have without a header; the rest after [`NEEDED`] can be left out.
@@ -12,11 +13,7 @@ impl FromStr for Guide {
 
     /// `x, y, z, dx, dy, dz` and perhaps a radius and a weight, apart by commas, semicolons or blanks, in model units.
     fn from_str(text: &str) -> Result<Self, GuideFault> {
-        let words = words(text);
-        match words.len() {
-            NEEDED..=8 => guide(words.into_iter().map(Some).chain([None, None])),
-            count => Err(GuideFault::Count { count }),
-        }
+        headless(&records(text).flat_map(|record| record.values).collect::<Vec<_>>())
     }
 }
 
@@ -25,19 +22,23 @@ pub(super) fn read(text: &str, file: &str) -> Result<Vec<Guide>, GuideFileError>
     let at_line = |line: usize| {
         move |fault| GuideFileError::Guide { file: file.to_owned(), place: format!("line {line}"), fault }
     };
-    let mut lines = (1..)
-        .zip(text.lines())
-        .map(|(line, content)| (line, content.split('#').next().unwrap_or_default().trim()))
-        .filter(|(_, content)| !content.is_empty())
-        .peekable();
-    let header = lines.next_if(|(_, content)| words(content).iter().all(|word| word.parse::<f64>().is_err()));
-    let header = header.map(|(line, content)| Header::new(content).map_err(at_line(line))).transpose()?;
-    lines
-        .map(|(line, content)| {
-            let guide = header.as_ref().map_or_else(|| content.parse(), |header| header.guide(content));
+    let mut records = records(text).peekable();
+    let header = records.next_if(|record| record.values.iter().all(|value| value.parse::<f64>().is_err()));
+    let header = header.map(|Record { line, values }| Header::new(&values).map_err(at_line(line))).transpose()?;
+    records
+        .map(|Record { line, values }| {
+            let guide = header.as_ref().map_or_else(|| headless(&values), |header| header.guide(&values));
             Ok(guide.map_err(at_line(line))?.named(format!("{file}, line {line}")))
         })
         .collect()
+}
+
+/// The guide of values in the order of [`COLUMNS`].
+fn headless(values: &[String]) -> Result<Guide, GuideFault> {
+    match values.len() {
+        NEEDED..=8 => guide(values.iter().map(|value| Some(value.as_str())).chain([None, None])),
+        count => Err(GuideFault::Count { count }),
+    }
 }
 
 /// Where each of [`COLUMNS`] stands on a line.
@@ -47,17 +48,16 @@ struct Header {
 }
 
 impl Header {
-    fn new(content: &str) -> Result<Self, GuideFault> {
-        let words = words(content);
-        let mut header = Self { places: [None; 8], columns: words.len() };
-        for (place, &word) in words.iter().enumerate() {
+    fn new(names: &[String]) -> Result<Self, GuideFault> {
+        let mut header = Self { places: [None; 8], columns: names.len() };
+        for (place, word) in names.iter().enumerate() {
             let name = match word.to_ascii_lowercase().as_str() {
                 "r" => "radius".to_owned(),
                 "w" => "weight".to_owned(),
                 name => name.to_owned(),
             };
             let column = COLUMNS.iter().position(|&column| column == name);
-            let column = column.ok_or_else(|| GuideFault::UnknownColumn { name: word.to_owned() })?;
+            let column = column.ok_or_else(|| GuideFault::UnknownColumn { name: word.clone() })?;
             if header.places[column].replace(place).is_some() {
                 return Err(GuideFault::RepeatedColumn { name: COLUMNS[column] });
             }
@@ -68,13 +68,12 @@ impl Header {
         }
     }
 
-    fn guide(&self, content: &str) -> Result<Guide, GuideFault> {
-        let words = words(content);
+    fn guide(&self, values: &[String]) -> Result<Guide, GuideFault> {
         let needed = self.places[..NEEDED].iter().flatten().max().map_or(0, |place| place + 1);
-        if !(needed..=self.columns).contains(&words.len()) {
-            return Err(GuideFault::Columns { count: words.len(), columns: self.columns, needed });
+        if !(needed..=self.columns).contains(&values.len()) {
+            return Err(GuideFault::Columns { count: values.len(), columns: self.columns, needed });
         }
-        guide(self.places.iter().map(|place| place.and_then(|place| words.get(place).copied())))
+        guide(self.places.iter().map(|place| place.and_then(|place| values.get(place)).map(String::as_str)))
     }
 }
 
@@ -87,13 +86,6 @@ fn guide<'a>(words: impl Iterator<Item = Option<&'a str>>) -> Result<Guide, Guid
     let [x, y, z, dx, dy, dz] = [0, 1, 2, 3, 4, 5].map(|column| numbers[column].unwrap_or_default());
     let vector = Guide::vector([x, y, z], [dx, dy, dz]);
     checked(Guide { radius: numbers[6].unwrap_or_default(), weight: numbers[7], ..vector })
-}
-
-fn words(text: &str) -> Vec<&str> {
-    match [';', ','].into_iter().find(|&mark| text.contains(mark)) {
-        Some(mark) => text.split(mark).map(str::trim).collect(),
-        None => text.split_whitespace().collect(),
-    }
 }
 
 fn number(word: &str) -> Result<f64, GuideFault> {

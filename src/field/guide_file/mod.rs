@@ -121,8 +121,8 @@ pub enum GuideFileError {
 
 /// Reads the guides of a file, in model units; each is named by its file and place.
 ///
-/// CSV has a guide a line: `x, y, z, dx, dy, dz` and perhaps a radius and a weight, apart by commas, semicolons or blanks. A
-/// first line without any number names the columns, then in any order: `x`, `y`, `z`, `dx`, `dy`, `dz`, `radius` (or `r`),
+/// CSV has a guide a line: `x, y, z, dx, dy, dz` and perhaps a radius and a weight, apart by commas, semicolons or blanks, one of
+/// them in the whole file. A first line without any number names the columns, then in any order: `x`, `y`, `z`, `dx`, `dy`, `dz`, `radius` (or `r`),
 /// `weight` (or `w`); optional values can be left empty. Text after `#` and empty lines are passed over.
 ///
 /// JSON is `{"guides": [...], "strokes": [...]}`, one of the two at least, or a bare list of guides. A guide is `{"point":

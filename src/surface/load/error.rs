@@ -96,6 +96,14 @@ pub enum LoadError {
         /// The number of bytes after these.
         bytes: usize,
     },
+    /// The text is refused, though no line of it is known to be wrong.
+    #[error("{file} cannot be read as OBJ ({reason}); export it again")]
+    Refused {
+        /// The file's name.
+        file: String,
+        /// What the reader said.
+        reason: String,
+    },
     /// One place is wrong.
     #[error("{file}, {place}: {fault}{}", if *.unended { "; it is the last line and has no end, so the file may be cut off" } else { "" })]
     At {

@@ -1,9 +1,9 @@
 //! Reads surfaces from files.
 //!
 //! # Practice
-//! The content tells the format, whatever the file's name. The readers are our own, for what crates do not give (`tobj` 4.0,
-//! `stl_io` 0.11, `ply-rs-bw` 4.0 and `serde-ply` 0.2 were looked at): one sentence with the line or byte for every fault,
-//! coordinates as f64, names of groups and solids, binary STL files that begin with `solid`, and, for OBJ, all cores.
+//! The content tells the format, whatever the file's name. OBJ is read through the crate `tobj`. STL and PLY have readers of
+//! our own, for what crates do not give (`stl_io` 0.11, `ply-rs-bw` 4.0 and `serde-ply` 0.2 were looked at): one sentence
+//! with the line or byte for every fault, coordinates as f64, names of solids, and binary STL files that begin with `solid`.
 //! No count in a header is trusted: memory follows the bytes that are there.
 
 mod error;

@@ -4,8 +4,17 @@ use super::super::{Regions, Soup, polygon};
 use super::Fault;
 use glam::DVec3;
 
-/// More corners of a face than are plausible: splitting takes their square in time.
+/// More corners of a face than are plausible: splitting the most intricate polygons takes their square in time.
 const MOST_CORNERS: usize = 20_000;
+
+/// Whether a face may have so many corners.
+pub(super) fn check_corners(count: usize) -> Result<(), Fault> {
+    match count {
+        0..3 => Err(Fault::TooFewIndices { count }),
+        3..=MOST_CORNERS => Ok(()),
+        _ => Err(Fault::TooManyIndices { count, most: MOST_CORNERS }),
+    }
+}
 
 /// Vertices in the order of the file, and faces of three or more of them.
 #[derive(Debug, Default)]
@@ -30,15 +39,9 @@ impl Polygons {
     /// Makes a face of the corners that were pushed since the last.
     pub fn end_face(&mut self) -> Result<(), Fault> {
         let end = self.corners.len() as u32;
-        let count = (end - self.ends.last().copied().unwrap_or(0)) as usize;
-        match count {
-            0..3 => Err(Fault::TooFewIndices { count }),
-            3..=MOST_CORNERS => {
-                self.ends.push(end);
-                Ok(())
-            }
-            _ => Err(Fault::TooManyIndices { count, most: MOST_CORNERS }),
-        }
+        check_corners((end - self.ends.last().copied().unwrap_or(0)) as usize)?;
+        self.ends.push(end);
+        Ok(())
     }
 
     /// The first vertex that a face uses and that has no place in space.
