@@ -104,12 +104,12 @@ fn axis_at(triangle: u32, share: vec2<f32>) -> vec3<f32> {
 
 // ---- Walking ----
 
-struct Footing {
+struct SurfacePoint {
     triangle: u32,
     position: vec3<f32>,
 }
 
-fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -> Footing {
+fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -> SurfacePoint {
     var t = from_triangle;
     var p = from_position;
     var heading = displacement;
@@ -139,7 +139,7 @@ fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -
         }
         p += way * share;
         if exit == NONE {
-            return Footing(t, p - normal * dot3(normal, p - corners[0]));
+            return SurfacePoint(t, p - normal * dot3(normal, p - corners[0]));
         }
         left *= 1.0 - share;
         let k = exit % 3u;
@@ -160,7 +160,7 @@ fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -
     }
     let a = corner(t, 0u);
     let normal = unit(cross3(corner(t, 1u) - a, corner(t, 2u) - a));
-    return Footing(t, p - normal * dot3(normal, p - a));
+    return SurfacePoint(t, p - normal * dot3(normal, p - a));
 }
 
 // ---- The force ----

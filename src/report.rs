@@ -1,7 +1,7 @@
 //! What there is to say about a mesh, a field or a mosaic, for a program to read; the command line prints the same for a person.
 
 use crate::compute::Backend;
-use crate::field::{self, Field, GuideReport, Seat, StretchReport};
+use crate::field::{self, Field, GuideReport, SingularityLocation, StretchReport};
 use crate::mesh::Mesh;
 use crate::mesh::check::{Faults, Kind, check, check_joined};
 use crate::mesh::clean::CleanCounts;
@@ -183,8 +183,8 @@ impl Regularity {
             .filter(|&h| surface.twin(h).is_none())
             .flat_map(|h| [surface.origin(h), surface.target(h)])
             .collect();
-        let is_inside = |seat| !matches!(seat, Seat::Corner(vertex) if open.contains(&vertex));
-        let demanded = field.singularities(surface).iter().filter(|one| is_inside(one.seat)).count();
+        let is_inside = |location| !matches!(location, SingularityLocation::Corner(vertex) if open.contains(&vertex));
+        let demanded = field.singularities(surface).iter().filter(|one| is_inside(one.location)).count();
         let irregular = mesh.irregular_vertices;
         Self { irregular, demanded, surplus: irregular as i64 - demanded as i64 }
     }
@@ -214,7 +214,7 @@ impl Report {
             field: FieldFigures::new(surface, &outcome.field),
             mosaic: Tiles {
                 tiles: outcome.mosaic.count(),
-                on_features: outcome.mosaic.sites.len(),
+                on_features: outcome.mosaic.feature_samples.len(),
                 holes: outcome.holes,
                 row_ends: outcome.mosaic.row_ends,
                 sides: Sides::of(&outcome.triangulation),
@@ -310,7 +310,7 @@ impl MosaicReport {
             backend: Device::new(backend),
             field: FieldFigures::new(surface, field),
             tiles: mosaic.count(),
-            on_features: mosaic.sites.len(),
+            on_features: mosaic.feature_samples.len(),
             fit,
         }
     }
@@ -406,7 +406,7 @@ impl FieldFigures {
         let singularity = |singularity: &field::Singularity| Singularity {
             at: surface.frame().to_model(singularity.position),
             index: singularity.index(),
-            on_feature: matches!(singularity.seat, Seat::Corner(_)),
+            on_feature: matches!(singularity.location, SingularityLocation::Corner(_)),
         };
         Self {
             singularities: found.iter().map(singularity).collect(),

@@ -5,7 +5,7 @@ mod common;
 use common::surfaces::{EXAMPLES, example, flat, surface, unit_corners};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
-use quadmosaic::field::{Align, Complex, Field, FieldOptions, Guide, GuideTrouble, Seat};
+use quadmosaic::field::{Align, Complex, Field, FieldOptions, Guide, GuideTrouble, SingularityLocation};
 use quadmosaic::mosaic::sow;
 use quadmosaic::surface::{FeatureOptions, Soup, Surface};
 use std::f64::consts::FRAC_PI_2;
@@ -351,7 +351,8 @@ fn singularities_add_up_to_the_euler_characteristic() {
         let field = field(&surface, &[]);
         let found = field.singularities(&surface);
         assert_eq!(found.iter().map(|s| s.quarters).sum::<i32>(), 4 * characteristic as i32, "{name}");
-        let in_triangles: i32 = found.iter().filter(|s| matches!(s.seat, Seat::Triangle(_))).map(|s| s.quarters).sum();
+        let in_triangles: i32 =
+            found.iter().filter(|s| matches!(s.location, SingularityLocation::Triangle(_))).map(|s| s.quarters).sum();
         if name != "m6" {
             let crosses = field.in_triangles();
             assert_eq!(i64::from(in_triangles), total_quarters(&surface, crosses, &twins(&soup)), "{name}");
@@ -359,19 +360,20 @@ fn singularities_add_up_to_the_euler_characteristic() {
         for singularity in &found {
             assert_ne!(singularity.quarters, 0, "{name}");
             let place = DVec3::from(singularity.position);
-            match singularity.seat {
-                Seat::Triangle(t) => {
+            match singularity.location {
+                SingularityLocation::Triangle(t) => {
                     let corners = unit_corners(&soup, surface.frame(), t as usize);
                     assert!(common::surfaces::distance(place, corners) < 1e-6, "{name}: {singularity:?}");
                 }
-                Seat::Corner(v) => assert!(surface.features().is_corner(v), "{name}: {singularity:?}"),
+                SingularityLocation::Corner(v) => assert!(surface.features().is_corner(v), "{name}: {singularity:?}"),
             }
         }
         match name {
             "sphere" => assert!(found.len() == 8 && found.iter().all(|s| s.index() == 0.25), "{found:?}"),
             // Three right angles at each of eight corners; the bore has none.
             "block" => {
-                let corners: Vec<_> = found.iter().filter(|s| matches!(s.seat, Seat::Corner(_))).collect();
+                let corners: Vec<_> =
+                    found.iter().filter(|s| matches!(s.location, SingularityLocation::Corner(_))).collect();
                 assert!(corners.len() == 8 && corners.iter().all(|s| s.index() == 0.25), "{found:?}");
                 assert_eq!(in_triangles, -8);
             }
@@ -388,7 +390,10 @@ fn without_features_the_field_alone_makes_up_the_euler_characteristic() {
         let smooth = FeatureOptions { crease: 180.0, ..FeatureOptions::default() };
         let surface = Surface::new(&soup, &smooth).unwrap_or_else(|error| panic!("{error}"));
         let found = field(&surface, &[]).singularities(&surface);
-        assert!(found.iter().all(|s| matches!(s.seat, Seat::Triangle(_))), "{name}: no features, no corners");
+        assert!(
+            found.iter().all(|s| matches!(s.location, SingularityLocation::Triangle(_))),
+            "{name}: no features, no corners"
+        );
         assert_eq!(found.iter().map(|s| s.quarters).sum::<i32>(), 4 * characteristic, "{name}");
     }
 }

@@ -64,7 +64,7 @@ fn the_triangulation_keeps_the_topology() {
             "{name}: {faults}"
         );
         assert_eq!(mesh.points.len(), mosaic.count() + triangulation.extra, "{name}");
-        assert_eq!(triangulation.sites, mosaic.sites.len(), "{name}");
+        assert_eq!(triangulation.sites, mosaic.feature_samples.len(), "{name}");
         assert_eq!(triangulation.extra, 0, "{name}: a handle of these surfaces is wider than a tile");
         // The sphere's area is kept nearly; of what is lost, chords of a tile side take h^2 / 8 R^2.
         if name == "sphere" {

@@ -6,7 +6,7 @@ use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::gpu::{Gpu, GpuBackend};
 use quadmosaic::mosaic::relax::REACH;
-use quadmosaic::mosaic::{Relaxation, Rulers, Tile, neighbours, seat, side_for_count, sow};
+use quadmosaic::mosaic::{CurveParameters, Relaxation, Tile, feature_samples, neighbours, side_for_count, sow};
 use quadmosaic::sizes::Sizes;
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Surface};
@@ -20,7 +20,7 @@ fn example(name: &str) -> (Surface, Field) {
 
 /// Tiles on features and scattered ones.
 fn tiles(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
-    let mut tiles = seat::seat(surface, field, h, &Rulers::default()).1;
+    let mut tiles = feature_samples::sample_features(surface, field, h, &CurveParameters::default()).1;
     tiles.extend(sow::sow(surface, field, h));
     tiles
 }

@@ -31,7 +31,7 @@ pub use guide_file::{GuideFault, GuideFileError, read_guides};
 pub use guides::{Guide, GuideReport, GuideTrouble, Trace};
 pub use hierarchy::{Hierarchy, Level, Link, MIRRORED, Row};
 pub use sectors::Sectors;
-pub use singularities::{Seat, Singularity};
+pub use singularities::{Singularity, SingularityLocation};
 pub use stretch::{ASPECTS, Stretch, StretchError, StretchReport};
 
 use crate::compute::{Backend, ComputeError};

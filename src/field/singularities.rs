@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Where a singularity is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seat {
+pub enum SingularityLocation {
     /// In this triangle, where the field has no direction.
     Triangle(u32),
     /// At this vertex, a corner of features, where each side has a direction of its own.
@@ -25,7 +25,7 @@ pub enum Seat {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Singularity {
     /// Where it is.
-    pub seat: Seat,
+    pub location: SingularityLocation,
     /// The triangle's centre, or the vertex, in unit-sized coordinates.
     pub position: [f64; 3],
     /// The turn of the field about it, in quarters of a full turn: positive where rows bend round it, as at a cube's corner.
@@ -47,7 +47,11 @@ pub(super) fn find(surface: &Surface, sectors: &Sectors, crosses: &[Complex]) ->
         .filter(|&(_, quarters)| quarters != 0)
         .map(|(triangle, quarters)| {
             let [a, b, c] = surface.corners(triangle as usize).map(|p| p.as_dvec3());
-            Singularity { seat: Seat::Triangle(triangle), position: ((a + b + c) / 3.0).into(), quarters }
+            Singularity {
+                location: SingularityLocation::Triangle(triangle),
+                position: ((a + b + c) / 3.0).into(),
+                quarters,
+            }
         });
     let mut all: Vec<Singularity> = in_triangles.collect();
     all.extend(at_corners(surface, sectors));
@@ -99,7 +103,7 @@ fn at_corners(surface: &Surface, sectors: &Sectors) -> Vec<Singularity> {
         .filter(|&(_, quarters)| quarters != 0)
         .map(|(vertex, quarters)| {
             let position = surface.points[vertex as usize].as_dvec3().into();
-            Singularity { seat: Seat::Corner(vertex), position, quarters }
+            Singularity { location: SingularityLocation::Corner(vertex), position, quarters }
         })
         .collect()
 }

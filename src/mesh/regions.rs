@@ -21,8 +21,10 @@ pub fn with_regions(mesh: &Mesh, surface: &Surface, mosaic: &Mosaic, below: &[Op
     let of = |triangle: u32| regions.of_face[triangle as usize];
     let touched = |v: u32| -> Vec<u32> {
         let site = kept[v as usize] as usize;
-        let Some(first) = mosaic.sites.get(site).map(|site| site.first_side as usize) else { return Vec::new() };
-        let end = mosaic.sites.get(site + 1).map_or(mosaic.sides, |next| next.first_side as usize);
+        let Some(first) = mosaic.feature_samples.get(site).map(|site| site.first_side as usize) else {
+            return Vec::new();
+        };
+        let end = mosaic.feature_samples.get(site + 1).map_or(mosaic.sides, |next| next.first_side as usize);
         mosaic.tiles[first..end].iter().map(|side| of(side.triangle)).collect()
     };
     let region = |face: &[u32]| {

@@ -22,7 +22,7 @@ use crate::geometry::cross;
 use crate::mosaic::chart::{Chart, Spot};
 use crate::mosaic::oblong::factors;
 use crate::mosaic::phases::Cone;
-use crate::mosaic::{Mosaic, Seat, Tile};
+use crate::mosaic::{FeaturePoint, Mosaic, Tile};
 use crate::surface::{NONE, Surface};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -62,7 +62,8 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     sites.iter().chain(&free).for_each(|&vertex| is_tile[vertex as usize] = true);
     let left = work.remove_others(&is_tile);
     let order: Vec<u32> = sites.iter().chain(&free).chain(&left).copied().collect();
-    let mut tiles: Vec<Tile> = mosaic.sites.iter().map(|site| mosaic.tiles[site.first_side as usize]).collect();
+    let mut tiles: Vec<Tile> =
+        mosaic.feature_samples.iter().map(|site| mosaic.tiles[site.first_side as usize]).collect();
     tiles.extend_from_slice(mosaic.free());
     tiles.extend(left.iter().map(|&v| {
         let corner = work.home_corner[v as usize];
@@ -71,7 +72,7 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     let sides = tiles.iter().map(|tile| if mosaic.chart.is_some() { 1.0 } else { f64::from(tile.h) }).collect();
     let faces = work.faces.compacted(&order);
     let mut same_place: Vec<u32> = (0..order.len() as u32).collect();
-    for (v, site) in mosaic.sites.iter().enumerate() {
+    for (v, site) in mosaic.feature_samples.iter().enumerate() {
         same_place[v] = site.same_place;
     }
     // Each sheet has divided the curve by itself; one of them gives the place to all.
@@ -209,12 +210,12 @@ impl<'a> Work<'a> {
 
     /// The vertex of each site.
     fn place_sites(&mut self, surface: &Surface, mosaic: &Mosaic) -> Vec<u32> {
-        let mut vertices = vec![NONE; mosaic.sites.len()];
+        let mut vertices = vec![NONE; mosaic.feature_samples.len()];
         let mut on_edges: Vec<(u32, f64, usize)> = Vec::new();
-        for (i, site) in mosaic.sites.iter().enumerate() {
-            match site.seat {
-                Seat::Vertex(v) => vertices[i] = v,
-                Seat::Edge(h, share) => on_edges.push((h, share, i)),
+        for (i, site) in mosaic.feature_samples.iter().enumerate() {
+            match site.point {
+                FeaturePoint::Vertex(v) => vertices[i] = v,
+                FeaturePoint::Edge(h, share) => on_edges.push((h, share, i)),
             }
         }
         let mut ring = Vec::new();
@@ -248,7 +249,7 @@ impl<'a> Work<'a> {
         let mut is_site = vec![false; self.faces.leaving.len()];
         sites.iter().for_each(|&vertex| is_site[vertex as usize] = true);
         let mut ring = Vec::new();
-        let mut ends: Vec<u32> = mosaic.rulers.loose.iter().copied().collect();
+        let mut ends: Vec<u32> = mosaic.curve_parameters.released_ends.iter().copied().collect();
         ends.sort_unstable();
         for end in ends {
             let mut vertex = end;

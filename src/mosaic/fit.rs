@@ -9,15 +9,15 @@ use super::oblong::see_oblong;
 use super::relax::cell;
 use super::squares::quarter_count;
 use super::{Mosaic, Tile};
-use crate::surface::Surface;
-use crate::surface::spread::{Spot, spread};
+use crate::surface::sampling::sample_evenly;
+use crate::surface::{Surface, SurfacePoint};
 use rayon::prelude::*;
 use serde::Serialize;
 
 /// Points a tile at which areas are measured.
-const SPOTS: usize = 25;
+const POINTS: usize = 25;
 /// So many points at least: each counts for a fifty-thousandth of the area.
-const LEAST_SPOTS: usize = 50_000;
+const LEAST_POINTS: usize = 50_000;
 
 /// How well the tiles of a mosaic sit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -41,43 +41,43 @@ impl Fit {
         let longest = mosaic.longest();
         let grid = Grid::build(|tile| tiles[tile].position, tiles.len(), longest * cell(largest));
 
-        let spots = spread(surface, (SPOTS * tiles.len()).max(LEAST_SPOTS));
-        let layers = |spot: &Spot| {
+        let points = sample_evenly(surface, (POINTS * tiles.len()).max(LEAST_POINTS));
+        let layers = |point: &SurfacePoint| {
             let mut layers = 0;
-            grid.around(spot.position.into(), |tile| {
+            grid.around(point.position.into(), |tile| {
                 let factor = mosaic.factor(tile as usize);
-                layers += usize::from(covers(surface, &tiles[tile as usize], factor, longest, spot))
+                layers += usize::from(covers(surface, &tiles[tile as usize], factor, longest, point))
             });
             [usize::from(layers > 0), usize::from(layers > 1)]
         };
         let sum = |a: [usize; 2], b: [usize; 2]| [a[0] + b[0], a[1] + b[1]];
-        let [covered, twice] = spots.par_iter().map(layers).reduce(|| [0; 2], sum);
+        let [covered, twice] = points.par_iter().map(layers).reduce(|| [0; 2], sum);
 
-        let seats: Vec<Vec<Neighbour>> =
+        let neighbourhoods: Vec<Vec<Neighbour>> =
             (0..tiles.len()).into_par_iter().map(|tile| neighbours(mosaic, tile, longest, &grid)).collect();
-        let angles = seats.iter().flatten().map(|neighbour| neighbour.angle);
-        let count = seats.iter().map(Vec::len).sum::<usize>().max(1) as f64;
-        let fit = |seat: &Vec<Neighbour>| match seat.len() {
+        let angles = neighbourhoods.iter().flatten().map(|neighbour| neighbour.angle);
+        let count = neighbourhoods.iter().map(Vec::len).sum::<usize>().max(1) as f64;
+        let fit = |neighbours: &Vec<Neighbour>| match neighbours.len() {
             0 => 0.0,
             count => {
-                let miss = seat.iter().map(|neighbour| neighbour.miss).sum::<f64>() / count as f64;
+                let miss = neighbours.iter().map(|neighbour| neighbour.miss).sum::<f64>() / count as f64;
                 (1.0 - 2.0 * miss).clamp(0.0, 1.0)
             }
         };
-        let whole = spots.len().max(1) as f64;
+        let whole = points.len().max(1) as f64;
         Self {
             coverage: covered as f64 / whole,
             overlap: twice as f64 / whole,
             straightness: angles.sum::<f64>() / count,
-            of_tiles: seats.iter().map(fit).collect(),
+            of_tiles: neighbourhoods.iter().map(fit).collect(),
         }
     }
 }
 
 /// Whether a point lies under a tile.
-fn covers(surface: &Surface, tile: &Tile, factor: f32, longest: f32, spot: &Spot) -> bool {
-    let normal = surface.normal(spot.triangle as usize).into();
-    let here = Tile { position: spot.position.into(), normal, triangle: spot.triangle, quarters: 0, ..*tile };
+fn covers(surface: &Surface, tile: &Tile, factor: f32, longest: f32, point: &SurfacePoint) -> bool {
+    let normal = surface.normal(point.triangle as usize).into();
+    let here = Tile { position: point.position.into(), normal, triangle: point.triangle, quarters: 0, ..*tile };
     let Some([u, v]) = see_oblong(tile, factor, &here, longest) else { return false };
     // In which quarter of the square, counter-clockwise from the axis.
     let quarter = match (u >= 0.0, v >= 0.0) {

@@ -9,10 +9,10 @@
 //! ([`phases`], [`lattice`]), in step over the whole surface; where more are wanted than are solved for, each is split into
 //! three by three ([`refine`]). Rows may be led on until none ends ([`Rows::Continuous`]); the tiles' sides then give way.
 //! There, and where tiles are rectangles, neighbours are known in the mosaic's own metric ([`chart`]). Tiles on features are
-//! placed along the feature curves ([`seat`]) and stay there; they are seen from each side of a crease apart.
+//! placed along the feature curves ([`feature_samples`]) and stay there; they are seen from each side of a crease apart.
 //!
 //! # Practice
-//! Order of work: [`phases`], [`seat`] tiles on features, [`lattice`], [`census`] (remove and add), [`relax`], [`refine`];
+//! Order of work: [`phases`], [`feature_samples`] tiles on features, [`lattice`], [`census`] (remove and add), [`relax`], [`refine`];
 //! where no row crosses another, as on a part of the size of a tile, [`sow`].
 //!
 //! Tried at 6,000 tiles: one, two and six batches of 8 steps gave fish_blub 3.9, 3.9, 3.9 and spot 4.2, 4.2, 4.1 % odd faces
@@ -27,6 +27,7 @@
 
 pub mod census;
 pub mod chart;
+pub mod feature_samples;
 pub mod fit;
 pub mod fitting;
 pub mod grid;
@@ -36,12 +37,11 @@ pub(crate) mod oblong;
 pub mod phases;
 pub mod refine;
 pub mod relax;
-pub mod seat;
 pub mod sow;
 pub mod squares;
 
+pub use feature_samples::{CurveParameters, FeaturePoint, FeatureSample};
 pub use relax::Relaxation;
-pub use seat::{Rulers, Seat, Site};
 
 use crate::compute::{Backend, ComputeError, Ground};
 use crate::field::Field;
@@ -105,14 +105,14 @@ impl Tile {
 #[derive(Clone, Debug, Default)]
 pub struct Mosaic {
     /// The tiles on features.
-    pub sites: Vec<Site>,
-    /// All sides of the tiles on features first, in the order of the sites, then the free tiles.
+    pub feature_samples: Vec<FeatureSample>,
+    /// All sides of the tiles on features first, in the order of the samples, then the free tiles.
     pub tiles: Vec<Tile>,
     /// How many of the tiles are sides.
     pub sides: usize,
     /// The scale of the tiles' sizes.
     pub scale: f32,
-    pub(crate) rulers: Rulers,
+    pub(crate) curve_parameters: CurveParameters,
     /// See [`Mosaic::factor`]; empty where tiles are squares.
     pub(crate) factors: Vec<f32>,
     /// The metric in which the tiles are equal squares, where rows pass over the whole surface or tiles are rectangles.
@@ -129,7 +129,7 @@ impl Mosaic {
 
     /// The number of tiles, those of several sheets at one place counted once: vertices of the mesh to come.
     pub fn count(&self) -> usize {
-        let own = (0..).zip(&self.sites).filter(|(id, site)| site.same_place == *id).count();
+        let own = (0..).zip(&self.feature_samples).filter(|(id, sample)| sample.same_place == *id).count();
         own + self.free().len()
     }
 
@@ -138,14 +138,14 @@ impl Mosaic {
         surface: &Surface,
         field: &Field,
         h: f32,
-        rulers: Rulers,
+        curve_parameters: CurveParameters,
         free: impl IntoIterator<Item = Tile>,
     ) -> Self {
-        let (sites, mut tiles) = seat::seat(surface, field, h, &rulers);
+        let (feature_samples, mut tiles) = feature_samples::sample_features(surface, field, h, &curve_parameters);
         let sides = tiles.len();
         tiles.extend(free);
         let factors = oblong::factors(surface, field, &tiles);
-        Self { sites, tiles, sides, scale: h, rulers, factors, chart: None, row_ends: None }
+        Self { feature_samples, tiles, sides, scale: h, curve_parameters, factors, chart: None, row_ends: None }
     }
 }
 
@@ -280,7 +280,7 @@ impl Layer<'_> {
         let miss = |found: usize| (found.max(1) as f64 / count as f64).ln().abs();
         for _ in 1..ATTEMPTS {
             // Where features alone have more tiles than are wanted, or a promise is always kept, no other aim helps.
-            if miss(last) < COUNT_ERROR || best.sites.len() >= count || !self.relaxes() {
+            if miss(last) < COUNT_ERROR || best.feature_samples.len() >= count || !self.relaxes() {
                 break;
             }
             aim *= count as f64 / last.max(1) as f64;
@@ -311,7 +311,7 @@ impl Layer<'_> {
                 |known| (known.h, known.tilt),
             );
             let finest = self.promised(h, tilt)?;
-            let (features, promised) = (finest.sites.len(), finest.count());
+            let (features, promised) = (finest.feature_samples.len(), finest.count());
             let this = Try { h, tilt, promised };
             tried.push(this);
             if best.as_ref().is_none_or(|(best, _)| off(promised) < off(best.promised)) {
@@ -372,7 +372,7 @@ impl Layer<'_> {
         if tiles.is_empty() {
             tiles = sow::sow(surface, field, h);
         }
-        let sown = Mosaic::new(surface, field, h, Rulers::new(surface, field, &phases), tiles);
+        let sown = Mosaic::new(surface, field, h, CurveParameters::new(surface, field, &phases), tiles);
         Ok(Mosaic { row_ends: Some(row_ends), ..census::take(surface, field, &sown) })
     }
 
@@ -385,7 +385,7 @@ impl Layer<'_> {
         phases.multiply(finer);
         let mut chart = Chart::new(surface, &phases);
         let tiles = lattice::woven(surface, field, &phases, &chart, h);
-        let woven = Mosaic::new(surface, field, h, Rulers::new(surface, field, &phases), tiles);
+        let woven = Mosaic::new(surface, field, h, CurveParameters::new(surface, field, &phases), tiles);
         let woven = census::thin(&woven, lattice::DOUBLE);
         chart.keep_cones(woven.free());
         Ok(Mosaic { chart: Some(chart), row_ends: Some(row_ends), ..woven })
@@ -402,7 +402,7 @@ impl Layer<'_> {
         if tiles.is_empty() {
             tiles = sow::sow(surface, field, h);
         }
-        let crossed = Mosaic::new(surface, field, h, Rulers::new(surface, field, &phases), tiles);
+        let crossed = Mosaic::new(surface, field, h, CurveParameters::new(surface, field, &phases), tiles);
         Ok(Mosaic {
             chart: Some(Chart::of_ways(&phases)),
             row_ends: Some(row_ends),
@@ -417,7 +417,7 @@ impl Layer<'_> {
 
     fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {
         let free = refine::refine(self.surface, self.field, coarse, h);
-        let refined = Mosaic::new(self.surface, self.field, h, coarse.rulers.thirds(), free);
+        let refined = Mosaic::new(self.surface, self.field, h, coarse.curve_parameters.thirds(), free);
         Mosaic { row_ends: coarse.row_ends, ..census::take(self.surface, self.field, &refined) }
     }
 

@@ -84,7 +84,7 @@ mod tests {
     use super::*;
     use crate::compute::Cpu;
     use crate::field::{Field, FieldOptions};
-    use crate::mosaic::seat::Rulers;
+    use crate::mosaic::feature_samples::CurveParameters;
     use crate::surface::FeatureOptions;
     use crate::surface::examples::Example;
     use glam::DVec3;
@@ -105,7 +105,7 @@ mod tests {
             let middle = surface.corners(triangle).iter().sum::<Vec3>() / 3.0;
             Tile::free(&surface, &field, triangle as u32, middle, h)
         });
-        let mosaic = Mosaic::new(&surface, &field, h, Rulers::default(), free.collect::<Vec<_>>());
+        let mosaic = Mosaic::new(&surface, &field, h, CurveParameters::default(), free.collect::<Vec<_>>());
         (surface, mosaic, h)
     }
 

@@ -19,8 +19,8 @@ mod polygon;
 mod regions;
 mod repairs;
 mod ridges;
+pub(crate) mod sampling;
 mod split;
-pub(crate) mod spread;
 mod tiny;
 mod walk;
 mod weld;
@@ -29,7 +29,7 @@ pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use features::{Curve, FeatureOptions, Features};
 pub use regions::Regions;
 pub use repairs::{Repair, Repairs};
-pub(crate) use walk::{Footing, WALK_EDGES, next_corner, previous_corner, walk};
+pub(crate) use walk::{WALK_EDGES, next_corner, previous_corner, walk};
 
 use crate::geometry::{cross, dot, unit};
 use adjacency::Adjacency;
@@ -342,6 +342,13 @@ impl Surface {
         let [a, b] = [self.origin(half_edge), self.target(half_edge)].map(|v| self.points[v as usize].as_dvec3());
         a.distance(b)
     }
+}
+
+/// A point of a surface: its triangle, and its place in unit-sized coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfacePoint {
+    pub triangle: u32,
+    pub position: Vec3,
 }
 
 /// How far a point of a triangle is towards its second and third corner, in shares of the way from the first.

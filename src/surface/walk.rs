@@ -3,19 +3,12 @@
 //! The twin of `walk` in `shaders/relax.wgsl`: the same operations in the same order. A walk never jumps to the other
 //! side of a thin part, as a closest-point projection does. At a feature it goes on along it.
 
-use super::{NONE, Surface, next, previous};
+use super::{NONE, Surface, SurfacePoint, next, previous};
 use crate::geometry::{cross, dot, unit};
 use glam::Vec3;
 
 /// Edges that one walk may cross; a displacement over more small triangles than that ends early.
 pub(crate) const WALK_EDGES: u32 = 256;
-
-/// Where a walk has led.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Footing {
-    pub triangle: u32,
-    pub position: Vec3,
-}
 
 /// Walks from `position` in `triangle` by `displacement`, at most over `edges` edges.
 ///
@@ -27,7 +20,7 @@ pub(crate) fn walk(
     position: Vec3,
     displacement: Vec3,
     edges: u32,
-) -> Footing {
+) -> SurfacePoint {
     let mut t = triangle;
     let mut p = position;
     let mut heading = displacement;
@@ -57,7 +50,7 @@ pub(crate) fn walk(
         }
         p += step * share;
         if exit == NONE {
-            return Footing { triangle: t, position: onto_plane(p, corners[0], normal) };
+            return SurfacePoint { triangle: t, position: onto_plane(p, corners[0], normal) };
         }
         left *= 1.0 - share;
         let k = exit as usize % 3;
@@ -79,7 +72,7 @@ pub(crate) fn walk(
     }
     let corners = surface.corners(t as usize);
     let normal = unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
-    Footing { triangle: t, position: onto_plane(p, corners[0], normal) }
+    SurfacePoint { triangle: t, position: onto_plane(p, corners[0], normal) }
 }
 
 fn onto_plane(p: Vec3, through: Vec3, normal: Vec3) -> Vec3 {
@@ -144,7 +137,7 @@ mod tests {
     }
 
     /// How far a footing lies outside its triangle's sides, or off its plane.
-    fn off(surface: &Surface, foot: &Footing) -> f32 {
+    fn off(surface: &Surface, foot: &SurfacePoint) -> f32 {
         let [a, b, c] = surface.corners(foot.triangle as usize);
         let normal = surface.normal(foot.triangle as usize);
         let outside = |s: Vec3, e: Vec3| -dot(unit(cross(normal, e - s)), foot.position - s);

@@ -46,7 +46,7 @@ mod ways;
 use super::clean::Anchors;
 use super::facing::Facing;
 use super::{Mesh, Metric};
-use crate::surface::{Footing, Surface, WALK_EDGES, walk};
+use crate::surface::{Surface, SurfacePoint, WALK_EDGES, walk};
 use draft::{Draft, Scene};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -373,7 +373,7 @@ impl<'a> Work<'a> {
     }
 
     /// Where the way over the surface, from a place above a triangle straight towards another one, ends.
-    fn foot(&self, triangle: u32, from: DVec3, to: DVec3) -> Footing {
+    fn foot(&self, triangle: u32, from: DVec3, to: DVec3) -> SurfacePoint {
         let barrier = |h| self.surface.features().is_feature(h);
         let normal = self.surface.normal(triangle as usize);
         let way = (to - from).as_vec3();

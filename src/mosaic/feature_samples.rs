@@ -15,23 +15,23 @@ use crate::surface::{Curve, Surface, next, previous};
 use glam::Vec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Where on the surface's features a tile sits.
+/// A point on a feature of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Seat {
-    /// On a vertex of the surface.
+pub enum FeaturePoint {
+    /// A vertex of the surface.
     Vertex(u32),
-    /// On an edge of the surface, at this share of the way along the half-edge.
+    /// A point of an edge, at this share of the way along the half-edge.
     Edge(u32, f64),
 }
 
 /// A tile on a feature.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Site {
-    /// Where it sits.
-    pub seat: Seat,
+pub struct FeatureSample {
+    /// The centre.
+    pub point: FeaturePoint,
     /// The first of its sides among the mosaic's tiles.
     pub first_side: u32,
-    /// The first site at the same place: itself, but where sheets meet or fans touch.
+    /// The first sample at the same place: itself, but where sheets meet or fans touch.
     pub same_place: u32,
 }
 
@@ -45,16 +45,21 @@ const AT_END: f64 = 5e-3;
 const ALL_ROUND: u32 = 5;
 
 /// The tiles at the scale `h` on the features, and the sides that they are seen from.
-pub fn seat(surface: &Surface, field: &Field, h: f32, rulers: &Rulers) -> (Vec<Site>, Vec<Tile>) {
-    let mut seats = Seats::default();
-    seats.at_corners(surface, &rulers.loose);
+pub fn sample_features(
+    surface: &Surface,
+    field: &Field,
+    h: f32,
+    curve_parameters: &CurveParameters,
+) -> (Vec<FeatureSample>, Vec<Tile>) {
+    let mut samples = Samples::default();
+    samples.at_corners(surface, &curve_parameters.released_ends);
     let mut joined = FxHashSet::default();
     for curve in surface.features().curves() {
         let path = Path::new(surface, field, curve);
         let least = {
             // Few intervals must not make a loop of less than three edges, nor two edges between the same two corners.
             let ends = path.ends(surface);
-            if rulers.spans.contains_key(&path.key(surface)) {
+            if curve_parameters.ranges.contains_key(&path.key(surface)) {
                 0
             } else if ends[0] == ends[1] {
                 3
@@ -64,45 +69,48 @@ pub fn seat(surface: &Surface, field: &Field, h: f32, rulers: &Rulers) -> (Vec<S
                 2
             }
         };
-        let marks = match seats.intervals(surface, &path) {
+        let parameters = match samples.intervals(surface, &path) {
             Some(intervals) => path.even(intervals),
-            None => match rulers.marks.get(&path.key(surface)) {
-                Some(marks) if intervals(marks) * rulers.finer >= least => {
-                    marks.iter().map(|x| x * rulers.finer as f64).collect()
+            None => match curve_parameters.at_vertices.get(&path.key(surface)) {
+                Some(parameters) if intervals(parameters) * curve_parameters.factor >= least => {
+                    parameters.iter().map(|x| x * curve_parameters.factor as f64).collect()
                 }
                 _ => path.even(((path.length / f64::from(h)).round() as usize).max(least)),
             },
         };
-        seats.along(surface, &path, h, &marks, rulers.spans.get(&path.key(surface)).copied());
+        samples.along(surface, &path, h, &parameters, curve_parameters.ranges.get(&path.key(surface)).copied());
     }
-    let mut tiles = Vec::with_capacity(2 * seats.list.len());
-    let mut sites = Vec::with_capacity(seats.list.len());
-    for (seat, same_place) in seats.list {
-        sites.push(Site { seat, first_side: tiles.len() as u32, same_place });
-        sides(surface, field, seat, h, &mut tiles);
+    let mut tiles = Vec::with_capacity(2 * samples.list.len());
+    let mut feature_samples = Vec::with_capacity(samples.list.len());
+    for (point, same_place) in samples.list {
+        feature_samples.push(FeatureSample { point, first_side: tiles.len() as u32, same_place });
+        sides(surface, field, point, h, &mut tiles);
     }
-    (sites, tiles)
+    (feature_samples, tiles)
 }
 
-fn intervals(marks: &[f64]) -> usize {
-    (marks[marks.len() - 1] - marks[0]).round() as usize
+fn intervals(parameters: &[f64]) -> usize {
+    (parameters[parameters.len() - 1] - parameters[0]).round() as usize
 }
 
-/// Where tiles are to be along each feature curve: at the whole numbers of what grows along it.
+/// A parameter along each feature curve, whose whole numbers are the samples.
 #[derive(Clone, Debug, Default)]
-pub struct Rulers {
-    marks: FxHashMap<[u32; 2], Vec<f64>>,
-    finer: usize,
-    /// Ends of curves that hold no tile.
-    pub(crate) loose: FxHashSet<u32>,
-    /// Between which marks tiles sit, along curves with such ends.
-    spans: FxHashMap<[u32; 2], [f64; 2]>,
+pub struct CurveParameters {
+    /// The parameter at each vertex of a curve, by the curve's first edge.
+    at_vertices: FxHashMap<[u32; 2], Vec<f64>>,
+    /// What the parameters are multiplied by.
+    factor: usize,
+    /// Ends of curves that hold no sample.
+    pub(crate) released_ends: FxHashSet<u32>,
+    /// The first and the last parameter of a sample, along curves with such ends.
+    ranges: FxHashMap<[u32; 2], [f64; 2]>,
 }
 
-impl Rulers {
-    /// Where rows cross the features.
+impl CurveParameters {
+    /// Those of a parametrization: samples lie where its rows cross the features.
     pub fn new(surface: &Surface, field: &Field, phases: &Phases) -> Self {
-        let (mut marks, mut spans, mut loose) = (FxHashMap::default(), FxHashMap::default(), FxHashSet::default());
+        let (mut at_vertices, mut ranges) = (FxHashMap::default(), FxHashMap::default());
+        let mut released_ends = FxHashSet::default();
         for curve in surface.features().curves() {
             let path = Path::new(surface, field, curve);
             let ways = path.half_edges.iter().zip(&path.vertices).map(|(&h, &v)| {
@@ -118,9 +126,9 @@ impl Rulers {
             if (is_loose || intervals(&here) > 0) && ways[first.min(last)..last].iter().all(|way| way[1] > 0.0) {
                 if is_loose {
                     let margin = held.map(|held| if held { 0.5 } else { 0.0 });
-                    let span =
+                    let range =
                         if first <= last { [here[first] + margin[0], here[last] - margin[1]] } else { [1.0, 0.0] };
-                    spans.insert(path.key(surface), span);
+                    ranges.insert(path.key(surface), range);
                 }
                 // Corners are whole, but for roundings.
                 let last = here.len() - 1;
@@ -129,16 +137,16 @@ impl Rulers {
                 } else if held[1] {
                     here[last] = here[last].round();
                 }
-                marks.entry(path.key(surface)).or_insert(here);
-                loose.extend(path.tips().into_iter().filter(|tip| phases.loose.contains(tip)));
+                at_vertices.entry(path.key(surface)).or_insert(here);
+                released_ends.extend(path.tips().into_iter().filter(|tip| phases.loose.contains(tip)));
             }
         }
-        Self { marks, finer: 1, loose, spans }
+        Self { at_vertices, factor: 1, released_ends, ranges }
     }
 
     /// For tiles of a third of the side.
     pub fn thirds(&self) -> Self {
-        Self { finer: 3 * self.finer, ..self.clone() }
+        Self { factor: 3 * self.factor, ..self.clone() }
     }
 }
 
@@ -179,14 +187,14 @@ impl Path {
     fn even(&self, intervals: usize) -> Vec<f64> {
         let whole: f64 = self.lengths.iter().sum();
         let mut passed = 0.0;
-        let mut marks = vec![0.0];
+        let mut parameters = vec![0.0];
         for length in &self.lengths {
             passed += length;
-            marks.push(passed / whole * intervals as f64);
+            parameters.push(passed / whole * intervals as f64);
         }
-        let last = marks.len() - 1;
-        marks[last] = intervals as f64;
-        marks
+        let last = parameters.len() - 1;
+        parameters[last] = intervals as f64;
+        parameters
     }
 
     fn tips(&self) -> [u32; 2] {
@@ -224,20 +232,20 @@ fn factor(surface: &Surface, field: &Field, half_edge: u32) -> f64 {
     f64::from(stretch.factor(surface, half_edge / 3, (from + to) / 2.0, unit(to - from)))
 }
 
-/// Seats, each with the first one at its place.
+/// Samples, each with the first one at its place.
 #[derive(Default)]
-struct Seats {
-    list: Vec<(Seat, u32)>,
-    /// The first seat of each curve, and how many it has.
+struct Samples {
+    list: Vec<(FeaturePoint, u32)>,
+    /// The first sample of each curve, and how many it has.
     of_curves: FxHashMap<[u32; 2], [u32; 2]>,
 }
 
-impl Seats {
+impl Samples {
     fn at_corners(&mut self, surface: &Surface, loose: &FxHashSet<u32>) {
         let mut first = FxHashMap::default();
         for v in surface.features().corners().filter(|v| !loose.contains(v)) {
             let id = self.list.len() as u32;
-            self.list.push((Seat::Vertex(v), *first.entry(surface.same_place(v)).or_insert(id)));
+            self.list.push((FeaturePoint::Vertex(v), *first.entry(surface.same_place(v)).or_insert(id)));
         }
     }
 
@@ -247,13 +255,13 @@ impl Seats {
         Some(count as usize + usize::from(!path.closed))
     }
 
-    /// Adds the seats along a curve, within a span of its marks where it has one; its corners are left out.
-    fn along(&mut self, surface: &Surface, path: &Path, h: f32, marks: &[f64], span: Option<[f64; 2]>) {
+    /// Adds the samples along a curve, within a range of its parameters where it has one; its corners are left out.
+    fn along(&mut self, surface: &Surface, path: &Path, h: f32, parameters: &[f64], range: Option<[f64; 2]>) {
         let begun = self.list.len() as u32;
-        let (begin, end) = (marks[0].ceil() as i64, marks[marks.len() - 1].floor() as i64);
-        let whole = match span {
+        let (begin, end) = (parameters[0].ceil() as i64, parameters[parameters.len() - 1].floor() as i64);
+        let whole = match range {
             Some([first, last]) => (first - AT_END).ceil() as i64..(last + AT_END).floor() as i64 + 1,
-            None if path.closed => begin..begin + intervals(marks) as i64,
+            None if path.closed => begin..begin + intervals(parameters) as i64,
             None => begin + 1..end,
         };
         let count = (whole.end - whole.start).max(0) as u32;
@@ -262,50 +270,50 @@ impl Seats {
         let mut edge = 0;
         for (k, at) in (0..).zip(whole) {
             let at = at as f64;
-            while edge + 1 < lengths.len() && marks[edge + 1] < at {
+            while edge + 1 < lengths.len() && parameters[edge + 1] < at {
                 edge += 1;
             }
-            let share = ((at - marks[edge]) / (marks[edge + 1] - marks[edge])).clamp(0.0, 1.0);
+            let share = ((at - parameters[edge]) / (parameters[edge + 1] - parameters[edge])).clamp(0.0, 1.0);
             let snap = SNAP * (f64::from(h) / lengths[edge].max(f64::MIN_POSITIVE)).min(1.0);
-            let seat = if share < snap {
-                Seat::Vertex(path.vertices[edge])
+            let point = if share < snap {
+                FeaturePoint::Vertex(path.vertices[edge])
             } else if share > 1.0 - snap {
-                Seat::Vertex(path.vertices[edge + 1])
+                FeaturePoint::Vertex(path.vertices[edge + 1])
             } else {
                 let half_edge = path.half_edges[edge];
                 let forward = surface.origin(half_edge) == path.vertices[edge];
-                Seat::Edge(half_edge, if forward { share } else { 1.0 - share })
+                FeaturePoint::Edge(half_edge, if forward { share } else { 1.0 - share })
             };
-            self.list.push((seat, first + k));
+            self.list.push((point, first + k));
         }
     }
 }
 
-fn place(surface: &Surface, seat: Seat) -> Vec3 {
-    match seat {
-        Seat::Vertex(v) => surface.points[v as usize],
-        Seat::Edge(h, share) => {
+fn place(surface: &Surface, point: FeaturePoint) -> Vec3 {
+    match point {
+        FeaturePoint::Vertex(v) => surface.points[v as usize],
+        FeaturePoint::Edge(h, share) => {
             let [a, b] = [surface.origin(h), surface.target(h)].map(|v| surface.points[v as usize].as_dvec3());
             (a + (b - a) * share).as_vec3()
         }
     }
 }
 
-fn size(surface: &Surface, sizes: &Sizes, seat: Seat) -> f32 {
-    match seat {
-        Seat::Vertex(v) => sizes.at_vertex(v),
-        Seat::Edge(h, share) => {
+fn size(surface: &Surface, sizes: &Sizes, point: FeaturePoint) -> f32 {
+    match point {
+        FeaturePoint::Vertex(v) => sizes.at_vertex(v),
+        FeaturePoint::Edge(h, share) => {
             let [a, b] = [surface.origin(h), surface.target(h)].map(|v| sizes.at_vertex(v));
             a + (b - a) * share as f32
         }
     }
 }
 
-fn sides(surface: &Surface, field: &Field, seat: Seat, h: f32, tiles: &mut Vec<Tile>) {
-    let position = place(surface, seat).into();
-    let h = h * size(surface, field.sizes(), seat);
-    match seat {
-        Seat::Edge(half_edge, _) => {
+fn sides(surface: &Surface, field: &Field, point: FeaturePoint, h: f32, tiles: &mut Vec<Tile>) {
+    let position = place(surface, point).into();
+    let h = h * size(surface, field.sizes(), point);
+    match point {
+        FeaturePoint::Edge(half_edge, _) => {
             for e in [Some(half_edge), surface.twin(half_edge)].into_iter().flatten() {
                 let along = surface.points[surface.target(e) as usize] - surface.points[surface.origin(e) as usize];
                 tiles.push(Tile {
@@ -318,7 +326,7 @@ fn sides(surface: &Surface, field: &Field, seat: Seat, h: f32, tiles: &mut Vec<T
                 });
             }
         }
-        Seat::Vertex(vertex) => {
+        FeaturePoint::Vertex(vertex) => {
             for &sector in field.sectors().of_vertex(vertex) {
                 let quarters = u32::from(field.sectors().quarters[sector as usize]);
                 if quarters == 0 {
