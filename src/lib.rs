@@ -11,6 +11,7 @@ mod geometry;
 pub mod gpu;
 pub mod mesh;
 pub mod mosaic;
+pub mod parametrize;
 #[doc = include_str!("../docs/paper.md")]
 pub mod paper {}
 pub mod picture;

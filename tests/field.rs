@@ -6,7 +6,7 @@ use common::surfaces::{EXAMPLES, example, flat, surface, unit_corners};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
 use quadmosaic::field::{Align, Complex, Field, FieldOptions, Guide, GuideTrouble, SingularityLocation};
-use quadmosaic::mosaic::sow;
+use quadmosaic::mosaic::seed;
 use quadmosaic::surface::{FeatureOptions, Soup, Surface};
 use std::f64::consts::FRAC_PI_2;
 
@@ -26,7 +26,7 @@ fn wrapped(angle: f64) -> f64 {
 
 /// The largest angle between the field and a direction in the plane z = 0, at many places.
 fn off(surface: &Surface, field: &Field, direction: f64) -> f64 {
-    let tiles = sow::sow(surface, field, 0.01);
+    let tiles = seed::seed(surface, field, 0.01);
     assert!(tiles.len() > 2_000);
     let turn = |axis: [f32; 3]| f64::from(axis[1]).atan2(f64::from(axis[0]));
     tiles.iter().map(|tile| wrapped(turn(tile.axis) - direction).abs()).fold(0.0, f64::max)
@@ -135,7 +135,7 @@ fn a_guide_is_followed_within_its_radius() {
     let guided = field(&plate, &[guide]);
     let turn = 0.6f64.atan2(0.8);
     let (mut inside, mut outside) = (0, 0);
-    for tile in sow::sow(&plate, &guided, 0.01) {
+    for tile in seed::seed(&plate, &guided, 0.01) {
         let at = DVec3::from(plate.frame().to_model(tile.position.map(f64::from)));
         let off = wrapped(f64::from(tile.axis[1]).atan2(f64::from(tile.axis[0])) - turn).abs();
         let distance = at.distance(DVec3::from(centre));
@@ -507,7 +507,7 @@ fn aligned_the_field_follows_curvature() {
         let guide = Guide::vector([1.4 * scale, 0.0, 0.0], [0.0, 1.0, 1.0]);
         let options = FieldOptions { align, ..FieldOptions::guided([guide]) };
         let field = Field::new(&torus, &options, &Cpu).expect("the CPU does not fail");
-        let far = sow::sow(&torus, &field, 0.03).into_iter().filter(|tile| tile.position[0] < 0.0);
+        let far = seed::seed(&torus, &field, 0.03).into_iter().filter(|tile| tile.position[0] < 0.0);
         let off = far.map(|tile| {
             let [at, axis] = [tile.position, tile.axis].map(|v| DVec3::from(v.map(f64::from)));
             let parallel = DVec3::new(-at.y, at.x, 0.0).normalize();

@@ -12,7 +12,8 @@ use quadmosaic::mesh::quality::{Quality, quad_shape, triangle_shape};
 use quadmosaic::mesh::smooth::smooth;
 use quadmosaic::mesh::triangulate::triangulate;
 use quadmosaic::mesh::{Mesh, Triangulation};
-use quadmosaic::mosaic::{Effort, Layer, Mosaic, Rows};
+use quadmosaic::mosaic::{Effort, Mosaic, MosaicBuilder};
+use quadmosaic::parametrize::Rows;
 use quadmosaic::surface::Surface;
 
 const COUNT: usize = 1_000;
@@ -21,7 +22,7 @@ fn tiled(name: &str) -> (Surface, Mosaic, Triangulation) {
     let surface = surface(&example(name, 4_000));
     let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
     let ground = Cpu.ground(&surface, &field).expect("the CPU does not fail");
-    let layer = Layer {
+    let layer = MosaicBuilder {
         surface: &surface,
         field: &field,
         backend: &Cpu,

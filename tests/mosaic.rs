@@ -7,8 +7,9 @@ use glam::DVec3;
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mosaic::{
-    CurveParameters, Effort, FeaturePoint, Layer, Mosaic, Rows, Tile, feature_samples, side_for_count, sow,
+    CurveParameters, Effort, FeaturePoint, Mosaic, MosaicBuilder, Tile, feature_samples, seed, side_for_count,
 };
+use quadmosaic::parametrize::Rows;
 use quadmosaic::surface::{Soup, Surface};
 use std::collections::HashSet;
 
@@ -16,7 +17,7 @@ const COUNT: usize = 2_000;
 
 fn laid(surface: &Surface, field: &Field, count: usize) -> Mosaic {
     let ground = Cpu.ground(surface, field).expect("the CPU does not fail");
-    let layer = Layer {
+    let layer = MosaicBuilder {
         surface,
         field,
         backend: &Cpu,
@@ -132,7 +133,7 @@ fn no_two_free_tiles_overlap() {
         let mosaic = laid(&surface, &field, COUNT);
         assert_eq!(crowded(mosaic.free(), 0.5), 0, "{name}");
         // Scattered tiles do.
-        let sown = sow::sow(&surface, &field, mosaic.tiles[0].h);
+        let sown = seed::seed(&surface, &field, mosaic.tiles[0].h);
         assert!(crowded(&sown, 0.5) > COUNT / 20, "{name}");
     }
 }
@@ -156,7 +157,7 @@ fn the_relaxed_tiles_stand_in_rows() {
         }
         found as f64 / (4 * tiles.len()) as f64
     };
-    let (relaxed, sown) = (neighbours(mosaic.free()), neighbours(&sow::sow(&surface, &field, mosaic.tiles[0].h)));
+    let (relaxed, sown) = (neighbours(mosaic.free()), neighbours(&seed::seed(&surface, &field, mosaic.tiles[0].h)));
     // Of scattered tiles one lies within 0.3 sides of a place with probability 1 - exp(-pi 0.09) = 0.25.
     assert!(sown < 0.35, "{sown}");
     assert!(relaxed > 0.8, "{relaxed}");

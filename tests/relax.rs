@@ -6,7 +6,7 @@ use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::gpu::{Gpu, GpuBackend};
 use quadmosaic::mosaic::relax::REACH;
-use quadmosaic::mosaic::{CurveParameters, Relaxation, Tile, feature_samples, neighbours, side_for_count, sow};
+use quadmosaic::mosaic::{CurveParameters, Relaxation, Tile, feature_samples, neighbours, seed, side_for_count};
 use quadmosaic::sizes::Sizes;
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Surface};
@@ -21,7 +21,7 @@ fn example(name: &str) -> (Surface, Field) {
 /// Tiles on features and scattered ones.
 fn tiles(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
     let mut tiles = feature_samples::sample_features(surface, field, h, &CurveParameters::default()).1;
-    tiles.extend(sow::sow(surface, field, h));
+    tiles.extend(seed::seed(surface, field, h));
     tiles
 }
 
@@ -136,7 +136,7 @@ fn tiles_in_a_crowd_are_the_same() {
     let (surface, field) = example("sphere");
     let h = side_for_count(&surface, 2000);
     // Four times as many as there is room for.
-    let crowd: Vec<Tile> = sow::sow(&surface, &field, 0.5 * h).iter().map(|&tile| Tile { h, ..tile }).collect();
+    let crowd: Vec<Tile> = seed::seed(&surface, &field, 0.5 * h).iter().map(|&tile| Tile { h, ..tile }).collect();
     let lists = neighbours::lists(&crowd, Relaxation::new(1, h, &Sizes::equal()).cell);
     let full = lists.iter().filter(|list| ids(*list).len() == neighbours::SLOTS).count();
     assert!(full > crowd.len() / 2, "{full} of {} lists are full", crowd.len());

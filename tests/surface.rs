@@ -6,7 +6,7 @@ use common::surfaces::{EXAMPLES, example, flat, scattered, surface, twisted_stri
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
 use quadmosaic::field::{Field, FieldOptions};
-use quadmosaic::mosaic::{CurveParameters, Tile, feature_samples, sow};
+use quadmosaic::mosaic::{CurveParameters, Tile, feature_samples, seed};
 use quadmosaic::surface::{FeatureOptions, Soup, Surface, SurfaceError};
 
 /// Every triangle with corners of its own.
@@ -54,7 +54,7 @@ fn edge_count(soup: &Soup) -> usize {
 /// Tiles scattered over the surface: its normals and places, seen from outside the crate.
 fn samples(surface: &Surface) -> Vec<Tile> {
     let field = Field::new(surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
-    sow::sow(surface, &field, 0.03)
+    seed::seed(surface, &field, 0.03)
 }
 
 #[test]

@@ -8,7 +8,8 @@ use quadmosaic::mesh::connect::{ConnectOptions, connect};
 use quadmosaic::mesh::fill::{Holes, fill};
 use quadmosaic::mesh::triangulate::triangulate;
 use quadmosaic::mesh::{Mesh, Triangulation};
-use quadmosaic::mosaic::{Effort, Layer, Mosaic, Rows};
+use quadmosaic::mosaic::{Effort, Mosaic, MosaicBuilder};
+use quadmosaic::parametrize::Rows;
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Soup, Surface};
 use std::time::Duration;
@@ -40,7 +41,7 @@ pub fn field(surface: &Surface) -> Field {
 
 pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {
     let ground = Cpu.ground(surface, field).expect("the CPU does not fail");
-    let layer = Layer {
+    let layer = MosaicBuilder {
         surface,
         field,
         backend: &Cpu,

@@ -4,7 +4,7 @@ use super::mesh::number;
 use super::summary;
 use clap::{Args, ValueEnum};
 use quadmosaic::field::{ASPECTS, StretchReport};
-use quadmosaic::mosaic::Rows;
+use quadmosaic::parametrize::Rows;
 
 #[derive(Args)]
 pub struct Weave {

@@ -19,10 +19,10 @@ use super::clean::Anchors;
 use super::intrinsic::Intrinsic;
 use crate::field::Field;
 use crate::geometry::cross;
-use crate::mosaic::chart::{Chart, Spot};
-use crate::mosaic::oblong::factors;
-use crate::mosaic::phases::Cone;
+
+use crate::mosaic::anisotropic::factors;
 use crate::mosaic::{FeaturePoint, Mosaic, Tile};
+use crate::parametrize::{Cone, GridMetric, PlacedCone};
 use crate::surface::{NONE, Surface};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -53,7 +53,7 @@ pub struct Triangulation {
 
 /// Triangulates the tiles of a mosaic.
 pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangulation {
-    let mut work = Work::new(surface, field, mosaic.chart.as_ref());
+    let mut work = Work::new(surface, field, mosaic.metric.as_ref());
     let cones = work.place_cones();
     let sites = work.place_sites(surface, mosaic);
     work.unlock_ends(mosaic, &sites);
@@ -69,7 +69,7 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
         let corner = work.home_corner[v as usize];
         Tile::free(surface, field, corner / 3, surface.points[v as usize], mosaic.scale)
     }));
-    let sides = tiles.iter().map(|tile| if mosaic.chart.is_some() { 1.0 } else { f64::from(tile.h) }).collect();
+    let sides = tiles.iter().map(|tile| if mosaic.metric.is_some() { 1.0 } else { f64::from(tile.h) }).collect();
     let faces = work.faces.compacted(&order);
     let mut same_place: Vec<u32> = (0..order.len() as u32).collect();
     for (v, site) in mosaic.feature_samples.iter().enumerate() {
@@ -135,7 +135,7 @@ impl Triangulation {
 
 struct Work<'a> {
     /// The mosaic's own metric, where it has one.
-    chart: Option<&'a Chart>,
+    chart: Option<&'a GridMetric>,
     faces: Intrinsic,
     /// The triangle of the surface that each face lies in, while no edge of the surface has been flipped.
     home: Vec<u32>,
@@ -145,7 +145,7 @@ struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    fn new(surface: &Surface, field: &Field, chart: Option<&'a Chart>) -> Self {
+    fn new(surface: &Surface, field: &Field, chart: Option<&'a GridMetric>) -> Self {
         let sectors = field.sectors();
         let count = 3 * surface.triangle_count();
         let mut faces = Intrinsic {
@@ -185,18 +185,18 @@ impl<'a> Work<'a> {
     /// The vertices of the cones, which become corners of the triangles that hold them.
     fn place_cones(&mut self) -> Vec<u32> {
         let Some(chart) = self.chart else { return Vec::new() };
-        let place = |spot: &Spot| {
-            let Cone { triangle, arms } = spot.cone;
+        let place = |spot: &PlacedCone| {
+            let Cone { triangle, from_corners } = spot.cone;
             let h = [0, 1, 2].map(|k| 3 * triangle as usize + k);
             // How far each side turns as the cone sees it, in the frame of the corner where it begins.
             let turns = [0, 1, 2].map(|k| {
-                let ([u, v], [x, y]) = (arms[k], chart.steps[h[k]]);
+                let ([u, v], [x, y]) = (from_corners[k], chart.steps[h[k]]);
                 let (from, to) = ([-u, -v], [x - u, y - v]);
                 (from[0] * to[1] - from[1] * to[0]).atan2(from[0] * to[0] + from[1] * to[1]).abs()
             });
-            let first = (-arms[0][1]).atan2(-arms[0][0]);
+            let first = (-from_corners[0][1]).atan2(-from_corners[0][0]);
             let directions = [first, first + turns[0], first + turns[0] + turns[1]];
-            let vertex = self.faces.split_face(triangle, arms.map(|[u, v]| u.hypot(v)), directions);
+            let vertex = self.faces.split_face(triangle, from_corners.map(|[u, v]| u.hypot(v)), directions);
             let last = self.faces.leaving.len();
             debug_assert_eq!(vertex as usize + 1, last);
             let closing = 3 * (self.faces.face_count() - 1) + 2;
@@ -386,7 +386,7 @@ impl<'a> Work<'a> {
 
 /// Sets the directions of corners to those of the mosaic's own coordinates, at all sectors whose triangles they keep in
 /// order.
-fn chart_directions(faces: &mut Intrinsic, surface: &Surface, field: &Field, chart: &Chart) {
+fn chart_directions(faces: &mut Intrinsic, surface: &Surface, field: &Field, chart: &GridMetric) {
     let sectors = field.sectors();
     let wrapped = |angle: f64| angle - (angle / TAU).round() * TAU;
     let corner = |h: u32| {

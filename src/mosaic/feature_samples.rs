@@ -7,9 +7,9 @@
 //! meet, each has its own tiles, at the same places.
 
 use super::Tile;
-use super::phases::Phases;
 use crate::field::Field;
 use crate::geometry::{cross, unit};
+use crate::parametrize::Parametrization;
 use crate::sizes::Sizes;
 use crate::surface::{Curve, Surface, next, previous};
 use glam::Vec3;
@@ -108,7 +108,7 @@ pub struct CurveParameters {
 
 impl CurveParameters {
     /// Those of a parametrization: samples lie where its rows cross the features.
-    pub fn new(surface: &Surface, field: &Field, phases: &Phases) -> Self {
+    pub fn new(surface: &Surface, field: &Field, phases: &Parametrization) -> Self {
         let (mut at_vertices, mut ranges) = (FxHashMap::default(), FxHashMap::default());
         let mut released_ends = FxHashSet::default();
         for curve in surface.features().curves() {

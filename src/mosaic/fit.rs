@@ -4,8 +4,8 @@
 //! The forerunners' aim (the paper's references 1 and 2): tiles that almost cover the surface, without overlaps. Areas are
 //! measured at points that are spread evenly over the surface: each asks which tiles it lies in, as a tile sees it.
 
+use super::anisotropic::see_anisotropic;
 use super::grid::Grid;
-use super::oblong::see_oblong;
 use super::relax::cell;
 use super::squares::quarter_count;
 use super::{Mosaic, Tile};
@@ -78,7 +78,7 @@ impl Fit {
 fn covers(surface: &Surface, tile: &Tile, factor: f32, longest: f32, point: &SurfacePoint) -> bool {
     let normal = surface.normal(point.triangle as usize).into();
     let here = Tile { position: point.position.into(), normal, triangle: point.triangle, quarters: 0, ..*tile };
-    let Some([u, v]) = see_oblong(tile, factor, &here, longest) else { return false };
+    let Some([u, v]) = see_anisotropic(tile, factor, &here, longest) else { return false };
     // In which quarter of the square, counter-clockwise from the axis.
     let quarter = match (u >= 0.0, v >= 0.0) {
         (true, true) => 0,
@@ -102,7 +102,7 @@ fn neighbours(mosaic: &Mosaic, number: usize, longest: f32, grid: &Grid) -> Vec<
     let (tile, factor) = (&mosaic.tiles[number], mosaic.factor(number));
     let mut best: [Option<Neighbour>; 4] = [const { None }; 4];
     grid.around(tile.position, |other| {
-        let seen = see_oblong(tile, factor, &mosaic.tiles[other as usize], longest);
+        let seen = see_anisotropic(tile, factor, &mosaic.tiles[other as usize], longest);
         let Some([u, v]) = seen.map(|u| u.map(f64::from)) else { return };
         let (turn, along, across) = match (u.abs() >= v.abs(), u > 0.0, v > 0.0) {
             (true, true, _) => (0, u, v),

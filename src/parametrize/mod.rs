@@ -5,7 +5,7 @@
 //! is held by two unit complex numbers at each sector of the surface's vertices, the phases `exp(2 pi i u)` and
 //! `exp(2 pi i v)` of the coordinates along the cross's two axes, in tile sides. A neighbour is read through the matching
 //! of the crosses, a quarter turn of which swaps the two and mirrors one, and a shift, the way to it in tile sides
-//! ([`Way`]). So each phase at each sector is an unknown, and a link between two of them is a turn or a mirrored turn:
+//! ([`Transition`]). So each phase at each sector is an unknown, and a link between two of them is a turn or a mirrored turn:
 //! the field's kind of equations, smoothed from coarse levels to fine ones by the field's kernels, normalised after
 //! every sweep.
 //!
@@ -22,7 +22,7 @@
 //! sweeps on the first level in place of 200 changed nothing. Edges of at most 0.45, 0.7 and 1 tile sides gave fish_blub
 //! 4.0, 3.9, 4.5 and spot 4.0, 4.2, 4.3.
 //!
-//! Each end of a row of equal tiles becomes an odd face. Those near each other are led to each other ([`Phases::close`]);
+//! Each end of a row of equal tiles becomes an odd face. Those near each other are led to each other ([`Parametrization::close`]);
 //! sides give way a little. By what that may cost, odd faces before any clean-up in percent and the mean Qg of the mesh:
 //!
 //! | cost | fish_blub | spot | fandisk | m6_gen |
@@ -55,32 +55,46 @@
 
 mod cones;
 mod equations;
-mod rows;
-mod stiffen;
-mod trim;
-pub(super) mod ways;
+mod grid_metric;
+pub mod integer_grid;
+pub mod integrable_sizes;
+mod release;
+mod row_ends;
+mod stiffening;
+mod transitions;
 
 pub use cones::Cone;
-use equations::Graph;
-pub use rows::RowEnds;
-pub use ways::Way;
-pub(super) use ways::turning;
+pub use grid_metric::GridMetric;
+pub(crate) use grid_metric::PlacedCone;
+pub use row_ends::RowEnds;
+pub use transitions::Transition;
+use transitions::turning;
 
-use super::Rows;
 use crate::compute::{Backend, ComputeError};
 use crate::field::{Complex, Field, MIRRORED, Sectors};
 use crate::surface::{Surface, next};
+use equations::Graph;
 use rustc_hash::FxHashSet;
 use std::f64::consts::TAU;
+
+/// Whether rows of tiles may end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rows {
+    /// They end where tiles of the wanted sides need it.
+    #[default]
+    Paper,
+    /// They pass over the whole surface but for singularities of the field, and sides give way.
+    Continuous,
+}
 
 /// An image whose least stretch is below this is nearly turned over.
 const NEARLY_FOLDED: f64 = 0.1;
 
 /// The phases of the rows at all sectors.
 #[derive(Clone, Debug)]
-pub struct Phases<'a> {
+pub struct Parametrization<'a> {
     field: &'a Field,
-    pub(super) ways: Vec<Way>,
+    ways: Vec<Transition>,
     /// The two coordinates of each sector, up to whole numbers.
     places: Vec<[f64; 2]>,
     /// By how much more than the two places say the coordinates grow along each half-edge, at the sector that it leaves.
@@ -89,9 +103,9 @@ pub struct Phases<'a> {
     /// Whether each unknown is fixed.
     fixed: Vec<bool>,
     /// Ends of features that need hold no tile: rows run on past them.
-    pub(super) loose: FxHashSet<u32>,
+    pub(crate) loose: FxHashSet<u32>,
     /// Vertices of creases that rows no longer lie on.
-    pub(super) trimmed: FxHashSet<u32>,
+    pub(crate) trimmed: FxHashSet<u32>,
     /// How many times its own weight each triangle has where the coordinates are solved for again; empty: once.
     stiffness: Vec<f64>,
 }
@@ -104,7 +118,7 @@ fn along(unknowns: Unknowns, k: u32) -> u32 {
     unknowns[(k % 2) as usize] ^ if k % 4 >= 2 { MIRRORED } else { 0 }
 }
 
-impl<'a> Phases<'a> {
+impl<'a> Parametrization<'a> {
     /// Rows of tiles whose mean side at each vertex is `side`, in unit-sized coordinates; the field may stretch them.
     ///
     /// # Errors
@@ -116,7 +130,7 @@ impl<'a> Phases<'a> {
         rows: Rows,
         backend: &dyn Backend,
     ) -> Result<Self, ComputeError> {
-        let ways = ways::ways(surface, field, side);
+        let ways = transitions::transitions(surface, field, side);
         let loose = match rows {
             Rows::Paper => FxHashSet::default(),
             Rows::Continuous => loose_ends(surface, field.sectors()),
@@ -216,7 +230,7 @@ impl<'a> Phases<'a> {
         [0, 1].map(|k| there[k] - here[k] + f64::from(jump[k]))
     }
 
-    /// As [`Phases::step`], in the frame of the sector at the half-edge's end.
+    /// As [`Parametrization::step`], in the frame of the sector at the half-edge's end.
     pub fn step_at_end(&self, half_edge: u32) -> [f64; 2] {
         self.ways[half_edge as usize].forth(self.step(half_edge))
     }

@@ -1,6 +1,6 @@
 //! The equations of the phases, in the form of the field's.
 
-use super::{Cone, Phases, Unknowns, Way, along};
+use super::{Cone, Parametrization, Transition, Unknowns, along};
 use crate::field::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
 use crate::field::smooth::{Pace, flowed};
 use crate::field::{Complex, Hierarchy, Level, Link, MIRRORED, Sectors};
@@ -24,7 +24,7 @@ const OFFSET_DESCENTS: u32 = 2;
 pub struct Graph<'a> {
     pub surface: &'a Surface,
     pub sectors: &'a Sectors,
-    pub ways: &'a [Way],
+    pub ways: &'a [Transition],
     pub unknowns: &'a [Unknowns],
     pub fixed: &'a [bool],
     /// How many times its own weight each triangle has.
@@ -43,7 +43,7 @@ pub fn equations(graph: &Graph) -> Hierarchy {
 
 /// The equations of what must be added to the coordinates so that their steps are, in the sense of least squares, the
 /// ways: real numbers, held as imaginary ones, so that mirrored they are negative. `cones` are drawn to their triangles.
-pub fn offsets(surface: &Surface, phases: &Phases, cones: &[Cone]) -> Hierarchy {
+pub fn offsets(surface: &Surface, phases: &Parametrization, cones: &[Cone]) -> Hierarchy {
     let graph = phases.graph(surface);
     let Graph { sectors, unknowns, .. } = graph;
     let mut pulls = vec![[0.0, 0.0]; phases.fixed.len()];
@@ -167,7 +167,12 @@ impl Graph<'_> {
 
     /// Links each unknown along all half-edges; `turn` is the sine and cosine of the angle by which a way turns a value, `held` the
     /// weight with which each unknown is pulled.
-    fn levels(&self, turn: impl Fn(&Way, usize) -> (f64, f64) + Sync, pulls: Vec<Complex>, held: &[f32]) -> Vec<Level> {
+    fn levels(
+        &self,
+        turn: impl Fn(&Transition, usize) -> (f64, f64) + Sync,
+        pulls: Vec<Complex>,
+        held: &[f32],
+    ) -> Vec<Level> {
         let &Self { surface, sectors, ways, unknowns, fixed, .. } = self;
 
         let (reader_starts, readers) = readers(unknowns, fixed.len());

@@ -1,7 +1,7 @@
 //! Between batches of relaxation: one of two tiles that overlap goes, and a tile comes where a place is empty.
 
+use super::anisotropic::see_anisotropic;
 use super::grid::Grid;
-use super::oblong::see_oblong;
 use super::relax::{self, Sight, see};
 use super::{Mosaic, Tile};
 use crate::field::Field;
@@ -18,8 +18,8 @@ const EMPTY: f32 = 0.72;
 const OTHER_SIDE: f32 = -0.5;
 
 /// Removes tiles where they crowd and adds tiles where there is room, in the order of ids.
-pub fn take(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Mosaic {
-    let mut result = thin(mosaic, CROWDED);
+pub fn insert_and_delete(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Mosaic {
+    let mut result = delete_crowded(mosaic, CROWDED);
     let more = room(surface, field, &result);
     result.tiles.extend(more);
     result
@@ -30,7 +30,7 @@ fn cell_of(tiles: &[Tile]) -> f32 {
 }
 
 /// The mosaic without those tiles that have another within this of them along both axes, in tile sides.
-pub(super) fn thin(mosaic: &Mosaic, crowded_within: f32) -> Mosaic {
+pub(super) fn delete_crowded(mosaic: &Mosaic, crowded_within: f32) -> Mosaic {
     let tiles = &mosaic.tiles;
     let longest = mosaic.longest();
     let grid = Grid::build(|i| tiles[i].position, tiles.len(), longest * cell_of(tiles));
@@ -42,7 +42,7 @@ pub(super) fn thin(mosaic: &Mosaic, crowded_within: f32) -> Mosaic {
             if id >= mosaic.sides {
                 grid.around(tiles[id].position, |other| {
                     let crowds = (other as usize) < id
-                        && see_oblong(&tiles[id], mosaic.factor(id), &tiles[other as usize], longest)
+                        && see_anisotropic(&tiles[id], mosaic.factor(id), &tiles[other as usize], longest)
                             .is_some_and(|u| u[0].abs() < crowded_within && u[1].abs() < crowded_within);
                     others.extend(crowds.then_some(other));
                 });

@@ -11,7 +11,7 @@
 //! At a singularity `log h` has no bound: it is held within the range by a hyperbolic tangent, which leaves small values as
 //! they are.
 
-use super::phases::turning;
+use super::turning;
 use crate::compute::{Backend, ComputeError};
 use crate::field::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
 use crate::field::smooth::Pace;
@@ -27,7 +27,12 @@ const MISS: f64 = 0.1;
 ///
 /// # Errors
 /// Where the backend fails.
-pub fn fitting(surface: &Surface, field: &Field, range: f64, backend: &dyn Backend) -> Result<Vec<f64>, ComputeError> {
+pub fn integrable_sizes(
+    surface: &Surface,
+    field: &Field,
+    range: f64,
+    backend: &dyn Backend,
+) -> Result<Vec<f64>, ComputeError> {
     let values = backend.smooth(&equations(surface, field))?;
     let mut logs: Vec<f64> = values.iter().map(|z| f64::from(z[0])).collect();
     // Its zero is free: the mean over the area.
@@ -43,7 +48,7 @@ pub fn fitting(surface: &Surface, field: &Field, range: f64, backend: &dyn Backe
 }
 
 /// Lowers sides on features so that no chord misses its feature by more than a tenth of the mean side, `side`.
-pub fn bounded(surface: &Surface, side: f64, relative: &mut [f32]) {
+pub fn limit_chord_error(surface: &Surface, side: f64, relative: &mut [f32]) {
     for curve in surface.features().curves() {
         let mut points: Vec<DVec3> = curve.vertices.iter().map(|&v| surface.points[v as usize].as_dvec3()).collect();
         let last = points.len() - 1;
@@ -127,7 +132,7 @@ mod tests {
         let radius = 0.2 / surface.frame().diagonal;
         let side = radius / 2.0;
         let mut relative = vec![10.0; surface.vertex_count()];
-        bounded(&surface, side, &mut relative);
+        limit_chord_error(&surface, side, &mut relative);
         for curve in surface.features().curves() {
             for &v in &curve.vertices {
                 let found = f64::from(relative[v as usize]);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 /// The way along a half-edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Way {
+pub struct Transition {
     /// In tile sides, along the axis of the sector that it leaves and across it.
     pub by: [f64; 2],
     /// Quarter turns, counter-clockwise, that the axis there is turned by when it is read in the frame of the sector that
@@ -15,7 +15,7 @@ pub struct Way {
     pub quarters: u32,
 }
 
-impl Way {
+impl Transition {
     /// A vector in the frame where the way begins, read in that where it ends.
     pub fn forth(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         [[u, v], [-v, u], [-u, -v], [v, -u]][self.quarters as usize % 4]
@@ -34,7 +34,7 @@ pub fn turning(field: &Field) -> Vec<f64> {
 }
 
 /// The ways along all half-edges, for tiles whose mean side at each vertex is `side`, stretched as the field says.
-pub fn ways(surface: &Surface, field: &Field, side: impl Fn(u32) -> f64 + Sync) -> Vec<Way> {
+pub fn transitions(surface: &Surface, field: &Field, side: impl Fn(u32) -> f64 + Sync) -> Vec<Transition> {
     let (sectors, axes) = (field.sectors(), axes(field.sectors(), field.crosses()));
     let stretch = field.stretch().map(|stretch| stretch.along_axes(&axes));
     // By what tile sides are longer along the axis of a corner's sector; across it they are as much shorter.
@@ -49,7 +49,7 @@ pub fn ways(surface: &Surface, field: &Field, side: impl Fn(u32) -> f64 + Sync) 
             let per_unit = (here / side(surface.origin(h)) + there / side(surface.target(h))) / 2.0;
             surface.length(h) * per_unit
         };
-        Way { by: [sides(1.0) * c, sides(-1.0) * s], quarters: passage.quarters.rem_euclid(4.0) as u32 }
+        Transition { by: [sides(1.0) * c, sides(-1.0) * s], quarters: passage.quarters.rem_euclid(4.0) as u32 }
     };
     (0..3 * surface.triangle_count() as u32).into_par_iter().map(way).collect()
 }

@@ -10,8 +10,7 @@
 //! Bommer, Zimmer and Kobbelt 2009 (*Mixed-integer quadrangulation*) coordinates that are free are solved for again, by least
 //! squares, the jumps being kept.
 
-use super::Phases;
-use crate::mosaic::Rows;
+use super::{Parametrization, Rows};
 use crate::surface::{Surface, previous};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -42,7 +41,7 @@ fn unit(k: u32) -> [i32; 2] {
 
 struct Flow<'a, 'b> {
     surface: &'a Surface,
-    phases: &'a mut Phases<'b>,
+    phases: &'a mut Parametrization<'b>,
     weights: Vec<f32>,
     /// The feature curve of each half-edge on one, and how many tile sides it has.
     curve_of: Vec<u32>,
@@ -91,7 +90,7 @@ enum End {
 
 const NOWHERE: u32 = u32::MAX;
 
-impl Phases<'_> {
+impl Parametrization<'_> {
     /// Moves the ends of rows to where they cancel: all of them, or those of equal tiles for which the way is worth it; the
     /// places of the rows must be solved for again.
     pub(super) fn cancel_row_ends(&mut self, surface: &Surface, rows: Rows, finer: u32) -> RowEnds {

@@ -28,7 +28,7 @@ impl Mosaic {
 
 /// Where a tile sees another, along its axis and across, in its sides; `None` where it does not. `factor` is the tile's,
 /// `longest` the largest ratio of a longer side to the mean one.
-pub(super) fn see_oblong(a: &Tile, factor: f32, b: &Tile, longest: f32) -> Option<[f32; 2]> {
+pub(super) fn see_anisotropic(a: &Tile, factor: f32, b: &Tile, longest: f32) -> Option<[f32; 2]> {
     if longest == 1.0 {
         return Some(see(a, b)?.u);
     }

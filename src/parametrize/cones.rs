@@ -1,7 +1,7 @@
 //! Singularities of the field as points of the coordinates: cones, whose place is whole, or half between tiles.
 
-use super::Phases;
-use super::rows::turned;
+use super::Parametrization;
+use super::row_ends::turned;
 use crate::surface::Surface;
 use glam::DVec3;
 
@@ -14,7 +14,7 @@ pub struct Cone {
     /// The triangle.
     pub triangle: u32,
     /// The way to it from each corner, in tile sides, in the frame of the corner's sector.
-    pub arms: [[f64; 2]; 3],
+    pub from_corners: [[f64; 2]; 3],
 }
 
 fn less(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
@@ -23,18 +23,18 @@ fn less(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 
 impl Cone {
     /// Its place in the triangle, by the corners' shares.
-    pub fn shares(&self, phases: &Phases) -> [f64; 3] {
+    pub fn shares(&self, phases: &Parametrization) -> [f64; 3] {
         let shares = self.raw_shares(phases).map(|share| share.max(0.0));
         let sum: f64 = shares.iter().sum();
         shares.map(|share| INSIDE + (1.0 - 3.0 * INSIDE) * if sum > 0.0 { share / sum } else { 1.0 / 3.0 })
     }
 
     /// The same as the coordinates have it: where the image is folded there are negative ones.
-    pub(super) fn raw_shares(&self, phases: &Phases) -> [f64; 3] {
+    pub(super) fn raw_shares(&self, phases: &Parametrization) -> [f64; 3] {
         // Of the triangle of the other two corners and the cone, in the frame of the first of them.
         let area = |k: usize| {
             let next = (k + 1) % 3;
-            let (side, arm) = (phases.step(3 * self.triangle + next as u32), self.arms[next]);
+            let (side, arm) = (phases.step(3 * self.triangle + next as u32), self.from_corners[next]);
             side[0] * arm[1] - side[1] * arm[0]
         };
         let shares = [0, 1, 2].map(area);
@@ -43,14 +43,14 @@ impl Cone {
     }
 
     /// Its place on the surface, in unit-sized coordinates.
-    pub fn position(&self, surface: &Surface, phases: &Phases) -> DVec3 {
+    pub fn position(&self, surface: &Surface, phases: &Parametrization) -> DVec3 {
         let [a, b, c] = surface.corners(self.triangle as usize).map(|p| p.as_dvec3());
         let [x, y, z] = self.shares(phases);
         a * x + b * y + c * z
     }
 }
 
-impl Phases<'_> {
+impl Parametrization<'_> {
     /// The cone in a triangle, where the axes turn round it.
     ///
     /// Coordinates that are continued round the triangle come back turned and moved; the cone is the point that stays.
@@ -84,14 +84,14 @@ impl Phases<'_> {
         });
         let at_second = ways[0].forth(less(x, first));
         let at_third = ways[1].forth(less(at_second, self.step(h[1])));
-        Some(Cone { triangle, arms: [x, at_second, at_third] })
+        Some(Cone { triangle, from_corners: [x, at_second, at_third] })
     }
 
     /// Whether a cone lies where two rows cross.
     pub fn is_whole(&self, cone: &Cone) -> bool {
         let place = self.at(3 * cone.triangle);
         (0..2).all(|k| {
-            let x = place[k] + cone.arms[0][k];
+            let x = place[k] + cone.from_corners[0][k];
             (x - x.round()).abs() < 0.25
         })
     }
@@ -103,7 +103,7 @@ impl Phases<'_> {
             let [h, before] = [k, (k + 2) % 3].map(|k| self.ways[3 * cone.triangle as usize + k]);
             let back = before.forth(before.by);
             let wanted = [0, 1].map(|i| (h.by[i] - back[i]) / 3.0);
-            less(cone.arms[k], wanted)
+            less(cone.from_corners[k], wanted)
         })
     }
 }

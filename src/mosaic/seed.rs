@@ -8,7 +8,7 @@ use crate::surface::Surface;
 ///
 /// Each tile has its own equal share of the area, in tiles, counted through the triangles in order, so that the spread is even
 /// wherever neighbouring triangles have neighbouring numbers.
-pub fn sow(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
+pub fn seed(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
     let sizes = field.sizes();
     let areas: Vec<f64> = (0..surface.triangle_count()).map(|t| sizes.double_area(surface, t)).collect();
     let total: f64 = areas.iter().sum();
@@ -31,9 +31,9 @@ pub fn sow(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
     tiles
 }
 
-/// A number in 0.01..0.99 that looks random in `seed` (SplitMix64's finalizer).
-fn scattered(seed: u64) -> f32 {
-    let mut x = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+/// A number in 0.01..0.99 that looks random in `number` (SplitMix64's finalizer).
+fn scattered(number: u64) -> f32 {
+    let mut x = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^= x >> 31;

@@ -4,7 +4,7 @@
 //! more closely both lie on one row, and what is between them has no room. One of them then lets the row go, from a loose
 //! end of it on.
 
-use super::{NEARLY_FOLDED, Phases, equations};
+use super::{NEARLY_FOLDED, Parametrization, equations};
 use crate::compute::{Backend, ComputeError};
 use crate::surface::{Curve, Surface};
 use rayon::prelude::*;
@@ -26,7 +26,7 @@ struct Part {
     length: f64,
 }
 
-impl Phases<'_> {
+impl Parametrization<'_> {
     /// Lets creases go where triangles beside them are folded and solves again, until that helps no more.
     ///
     /// # Errors

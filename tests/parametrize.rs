@@ -6,9 +6,9 @@ use common::surfaces::{example, surface};
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::gpu::GpuBackend;
-use quadmosaic::mosaic::Rows;
-use quadmosaic::mosaic::lattice::lattice;
-use quadmosaic::mosaic::phases::Phases;
+use quadmosaic::parametrize::Parametrization;
+use quadmosaic::parametrize::Rows;
+use quadmosaic::parametrize::integer_grid::integer_grid;
 use quadmosaic::surface::{Soup, Surface};
 
 fn field(surface: &Surface) -> Field {
@@ -46,15 +46,15 @@ fn rows_on_a_rectangle_are_straight_and_keep_to_its_sides() {
         [x / 2.0, y / 2.0]
     };
     for (side, fits) in [(2.0, true), (2.2, false)] {
-        let phases =
-            Phases::solve(&surface, &field, |_| side * cell, Rows::Paper, &Cpu).expect("the CPU does not fail");
-        let tiles = lattice(&surface, &field, &phases, (side * cell) as f32);
-        let off = off_whole(tiles.iter().flat_map(|tile| in_cells(tile.position)));
-        // Phases are f32 and in radians: 1e-6 of a tile, and 200 sweeps of them.
+        let phases = Parametrization::solve(&surface, &field, |_| side * cell, Rows::Paper, &Cpu)
+            .expect("the CPU does not fail");
+        let points = integer_grid(&surface, &field, &phases, (side * cell) as f32);
+        let off = off_whole(points.iter().flat_map(|point| in_cells(point.position.into())));
+        // Parametrization are f32 and in radians: 1e-6 of a tile, and 200 sweeps of them.
         assert_eq!(off < 1e-4, fits, "{side}: {off}");
         if fits {
             let mut places: Vec<[i64; 2]> =
-                tiles.iter().map(|tile| in_cells(tile.position).map(|x| x.round() as i64)).collect();
+                points.iter().map(|point| in_cells(point.position.into()).map(|x| x.round() as i64)).collect();
             places.sort_unstable();
             places.dedup();
             assert_eq!(places.len() as u32, (columns / 2 + 1) * (rows / 2 + 1), "a tile at each crossing");
@@ -66,7 +66,7 @@ fn rows_on_a_rectangle_are_straight_and_keep_to_its_sides() {
 fn steps_close_round_a_triangle_but_where_rows_end() {
     let torus = surface(&example("torus", 20_000));
     let field = field(&torus);
-    let phases = Phases::solve(&torus, &field, |_| 0.02, Rows::Paper, &Cpu).expect("the CPU does not fail");
+    let phases = Parametrization::solve(&torus, &field, |_| 0.02, Rows::Paper, &Cpu).expect("the CPU does not fail");
     let round = |t: u32| {
         let [a, b] = [phases.step(3 * t), phases.step_at_end(3 * t + 2)];
         // The second side's step, as the first corner reads it.
@@ -90,7 +90,8 @@ fn the_phases_are_the_same_on_both_backends() {
         let surface = surface(&example(name, 12_000));
         let field = field(&surface);
         let [cpu, other] = backends.map(|backend| {
-            let phases = Phases::solve(&surface, &field, |_| 0.03, Rows::Paper, backend).expect("no backend fails");
+            let phases =
+                Parametrization::solve(&surface, &field, |_| 0.03, Rows::Paper, backend).expect("no backend fails");
             (0..3 * surface.triangle_count() as u32).map(|corner| phases.at(corner)).collect::<Vec<_>>()
         });
         let off = |[a, b]: [&[f64; 2]; 2]| off_whole([a[0] - b[0], a[1] - b[1]].into_iter());
@@ -101,7 +102,8 @@ fn the_phases_are_the_same_on_both_backends() {
         } else {
             assert_eq!(cpu, other, "{name}");
         }
-        let moved = Phases::solve(&surface, &field, |_| 0.0301, Rows::Paper, backends[1]).expect("no backend fails");
+        let moved =
+            Parametrization::solve(&surface, &field, |_| 0.0301, Rows::Paper, backends[1]).expect("no backend fails");
         let far = (0..).zip(&cpu).filter(|(corner, a)| off([a, &moved.at(*corner)]) > 1e-2).count();
         assert!(far * 10 > cpu.len(), "{name}: another side gives other phases");
     }

@@ -1,8 +1,7 @@
 //! The mosaic's own metric: distances in tile sides along the rows, where rows pass over the whole surface or tiles are
 //! rectangles.
 
-use super::Tile;
-use super::phases::{Cone, Phases};
+use super::{Cone, Parametrization};
 use crate::surface::Surface;
 use glam::DVec3;
 
@@ -11,7 +10,7 @@ const SHORTEST: f64 = 1e-4;
 
 /// Coordinates whose whole numbers are tiles, as steps along the surface's edges.
 #[derive(Clone, Debug)]
-pub struct Chart {
+pub struct GridMetric {
     /// Along each half-edge, in tile sides along the axes of the sector that it leaves.
     pub(crate) steps: Vec<[f64; 2]>,
     /// The same, in the frame of the sector at its end.
@@ -19,23 +18,23 @@ pub struct Chart {
     /// Whether a vertex of the surface lies on a feature that rows follow.
     has_feature: Vec<bool>,
     /// Singularities inside triangles.
-    pub(crate) cones: Vec<Spot>,
+    pub(crate) cones: Vec<PlacedCone>,
 }
 
 /// A cone with its place.
 #[derive(Clone, Debug)]
-pub(crate) struct Spot {
+pub(crate) struct PlacedCone {
     pub cone: Cone,
     pub position: DVec3,
     /// Whether it carries a tile.
     pub is_tile: bool,
 }
 
-impl Chart {
+impl GridMetric {
     /// From phases whose rows are closed.
-    pub fn new(surface: &Surface, phases: &Phases) -> Self {
+    pub fn new(surface: &Surface, phases: &Parametrization) -> Self {
         let half_edges = 0..3 * surface.triangle_count() as u32;
-        let cones = (0..surface.triangle_count() as u32).filter_map(|t| phases.cone(t)).map(|cone| Spot {
+        let cones = (0..surface.triangle_count() as u32).filter_map(|t| phases.cone(t)).map(|cone| PlacedCone {
             position: cone.position(surface, phases),
             is_tile: phases.is_whole(&cone),
             cone,
@@ -49,18 +48,18 @@ impl Chart {
     }
 
     /// What the rows are solved for: where they may end, steps do not add up, and ways measure what tiles see.
-    pub(crate) fn of_ways(phases: &Phases) -> Self {
+    pub(crate) fn of_transitions(phases: &Parametrization) -> Self {
         let (steps, at_ends) = phases.ways.iter().map(|way| (way.by, way.forth(way.by))).unzip();
         Self { steps, at_ends, has_feature: Vec::new(), cones: Vec::new() }
     }
 
-    /// Takes note of which cones still carry a tile, these being the free tiles: those on cones first, in order.
-    pub(crate) fn keep_cones(&mut self, free: &[Tile]) {
-        let mut left = free.iter();
+    /// Takes note of which cones still carry a tile; `centres` are those of the free tiles, tiles on cones first, in order.
+    pub(crate) fn keep_cones(&mut self, centres: impl Iterator<Item = [f32; 3]> + Clone) {
+        let mut left = centres;
         for spot in self.cones.iter_mut().filter(|spot| spot.is_tile) {
             let place = <[f32; 3]>::from(spot.position.as_vec3());
             let mut ahead = left.clone();
-            spot.is_tile = ahead.next().is_some_and(|tile| tile.position == place);
+            spot.is_tile = ahead.next() == Some(place);
             if spot.is_tile {
                 left = ahead;
             }
@@ -92,11 +91,11 @@ impl Chart {
         let on_feature = [0, 1, 2].map(|k| surface.features().is_feature(h[k]) && has_feature(k) && has_feature(k + 1));
         match self.cones.binary_search_by_key(&triangle, |spot| spot.cone.triangle) {
             Ok(i) => {
-                let Spot { cone, position, .. } = &self.cones[i];
+                let PlacedCone { cone, position, .. } = &self.cones[i];
                 let part = |k: usize| Part {
                     corner: h[k],
                     points: [points[k], points[(k + 1) % 3], *position],
-                    sides: [self.steps[h[k] as usize], cone.arms[k]],
+                    sides: [self.steps[h[k] as usize], cone.from_corners[k]],
                     on_feature: [on_feature[k], false, false],
                     has_feature: [has_feature(k), has_feature(k + 1), false],
                 };
@@ -124,7 +123,7 @@ impl Chart {
     }
 }
 
-fn has_feature(surface: &Surface, phases: &Phases) -> Vec<bool> {
+fn has_feature(surface: &Surface, phases: &Parametrization) -> Vec<bool> {
     let mut found = vec![false; surface.vertex_count()];
     for curve in surface.features().curves() {
         curve.vertices.iter().for_each(|&v| found[v as usize] = !phases.trimmed.contains(&v));

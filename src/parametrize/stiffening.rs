@@ -2,7 +2,7 @@
 //!
 //! After Bommer, Zimmer and Kobbelt 2009 (*Mixed-integer quadrangulation*, section 5).
 
-use super::{NEARLY_FOLDED, Phases};
+use super::{NEARLY_FOLDED, Parametrization};
 use crate::compute::{Backend, ComputeError};
 use crate::surface::Surface;
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ const BEARABLE: f64 = 0.6;
 /// By how much it is stiffened at most in a round.
 const MOST: f64 = 5.0;
 
-impl Phases<'_> {
+impl Parametrization<'_> {
     /// Solves again until no triangle is folded, in a few rounds.
     ///
     /// # Errors
