@@ -6,16 +6,17 @@ mod devices;
 mod example;
 mod features;
 mod field;
+mod field_arguments;
 mod fineness;
 mod input;
+mod layout;
 mod mesh;
 mod mosaic;
+mod numbers;
 mod output;
 mod picture;
-mod rows;
 mod study;
 mod summary;
-mod weave;
 
 use clap::{Parser, Subcommand};
 

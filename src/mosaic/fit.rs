@@ -6,8 +6,8 @@
 
 use super::anisotropic::see_anisotropic;
 use super::grid::Grid;
+use super::quarters::quarter_count;
 use super::relax::cell;
-use super::squares::quarter_count;
 use super::{Mosaic, Tile};
 use crate::surface::sampling::sample_evenly;
 use crate::surface::{Surface, SurfacePoint};

@@ -33,10 +33,10 @@ pub mod fit;
 pub mod grid;
 pub mod insert_delete;
 pub mod neighbours;
+pub mod quarters;
 pub mod refine;
 pub mod relax;
 pub mod seed;
-pub mod squares;
 
 pub use builder::{Effort, MosaicBuilder, longest_edges};
 pub use feature_samples::{CurveParameters, FeaturePoint, FeatureSample};

@@ -172,7 +172,7 @@ fn a_closed_line_stays_closed_where_it_is_put_on_vertices() {
 fn wing(triangles: usize, points: usize, ridge: f64) -> Surface {
     let soup = "m6".parse::<Example>().expect("an example").generate(triangles);
     let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-    let h = crate::mosaic::side_for_count(&surface, points);
+    let h = (surface.area() / points as f64).sqrt() as f32;
     surface.fitted(&FeatureOptions { ridge, ..FeatureOptions::default() }, h)
 }
 

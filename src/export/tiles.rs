@@ -1,47 +1,16 @@
-//! Tiles as squares laid on the surface.
-//!
-//! # Practice
-//! A place of a square is found by walking there from the tile's centre, so that squares bend with the surface and do not
-//! pass features. The side of a tile on a feature has as many quarters of a square as it has quarter turns.
+//! Tiles as faces of a mesh.
 
-use super::{Mosaic, Tile};
 use crate::mesh::Mesh;
-use crate::surface::{Surface, WALK_EDGES, walk};
-use glam::Vec3;
-use rayon::prelude::*;
+use crate::mosaic::Mosaic;
+use crate::mosaic::quarters::Quarter;
+use crate::surface::Surface;
 
-/// The places of a quarter of a square, counter-clockwise: the tile's centre, the middle of a side, a corner, the middle of
-/// the next side; in unit-sized coordinates.
-pub type Quarter = [[f32; 3]; 4];
-
-/// The quarters of a tile's square, or rectangle, its side along its axis being `factor` times its mean one; the sides are
-/// `share` of the tile's.
-pub fn quarters(surface: &Surface, tile: &Tile, factor: f32, share: f32) -> Vec<Quarter> {
-    let half = tile.h * share / 2.0;
-    let count = quarter_count(tile);
-    let barrier = |h: u32| surface.features().is_feature(h);
-    let place =
-        |way: Vec3| walk(surface, barrier, tile.triangle, tile.at(), way * half, WALK_EDGES).position.to_array();
-    let arm = |turn: u32| tile.direction(turn) * if turn.is_multiple_of(2) { factor } else { 1.0 / factor };
-    let middles: Vec<[f32; 3]> = (0..=count.min(3)).map(|turn| place(arm(turn))).collect();
-    let corner = |turn: u32| place(arm(turn) + arm(turn + 1));
-    let middle = |turn: u32| middles[turn as usize % middles.len()];
-    (0..count).map(|turn| [tile.position, middle(turn), corner(turn), middle(turn + 1)]).collect()
-}
-
-impl Mosaic {
-    /// The [`quarters`] of each tile.
-    pub fn quarters(&self, surface: &Surface, share: f32) -> Vec<Vec<Quarter>> {
-        let of = |(i, tile): (usize, &Tile)| quarters(surface, tile, self.factor(i), share);
-        self.tiles.par_iter().enumerate().map(of).collect()
-    }
-}
-
-/// The squares of a mosaic as faces, in model units, each with vertices of its own: in the order of the tiles, those sides of
-/// features that have no room left out. Of each face also the number of its tile.
+/// The tiles of a mosaic as faces of a mesh in model units, each with vertices of its own, and the number of each face's tile.
+///
+/// Faces are in the order of the tiles; the sides of tiles on features that have no quarter are left out.
 ///
 /// `grout` is the share of a tile's side that is left free between it and its neighbour.
-pub fn squares(surface: &Surface, mosaic: &Mosaic, grout: f32) -> (Mesh, Vec<u32>) {
+pub fn tile_mesh(surface: &Surface, mosaic: &Mosaic, grout: f32) -> (Mesh, Vec<u32>) {
     let outlines: Vec<Vec<[f32; 3]>> =
         mosaic.quarters(surface, 1.0 - grout).iter().map(|quarters| outline(quarters)).collect();
     let points = outlines.iter().flatten().map(|&place| place.map(f64::from)).collect();
@@ -57,11 +26,6 @@ pub fn squares(surface: &Surface, mosaic: &Mosaic, grout: f32) -> (Mesh, Vec<u32
         first = next;
     }
     (mesh.placed(surface.frame()), tiles)
-}
-
-/// How many quarters of its square a tile has.
-pub(super) fn quarter_count(tile: &Tile) -> u32 {
-    if tile.quarters == 0 { 4 } else { tile.quarters.min(4) }
 }
 
 /// The border of all quarters of a square.
@@ -84,10 +48,11 @@ mod tests {
     use super::*;
     use crate::compute::Cpu;
     use crate::field::{Field, FieldOptions};
-    use crate::mosaic::feature_samples::CurveParameters;
+    use crate::mosaic::quarters::quarter_count;
+    use crate::mosaic::{CurveParameters, Tile};
     use crate::surface::FeatureOptions;
     use crate::surface::examples::Example;
-    use glam::DVec3;
+    use glam::{DVec3, Vec3};
 
     /// Twice the area of a face, as a vector along its normal.
     fn area(mesh: &Mesh, face: &[u32]) -> DVec3 {
@@ -112,7 +77,7 @@ mod tests {
     #[test]
     fn tiles_on_features_are_laid_on_each_side_and_do_not_pass_them() {
         let (surface, mosaic, _) = block();
-        let (mesh, tiles) = squares(&surface, &mosaic, 0.2);
+        let (mesh, tiles) = tile_mesh(&surface, &mosaic, 0.2);
         assert_eq!(tiles.len(), mesh.face_count());
         assert!(mosaic.sides > 100 && mosaic.free().len() > 20);
         let mut whole = 0;
@@ -143,7 +108,7 @@ mod tests {
     #[test]
     fn a_corner_has_a_quarter_and_a_straight_edge_a_half() {
         let (surface, mosaic, _) = block();
-        let (mesh, tiles) = squares(&surface, &mosaic, 0.0);
+        let (mesh, tiles) = tile_mesh(&surface, &mosaic, 0.0);
         for (face, &tile) in mesh.faces().zip(&tiles) {
             let sides = match mosaic.tiles[tile as usize].quarters {
                 3 => 6,

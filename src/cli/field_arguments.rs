@@ -1,14 +1,14 @@
 //! What rows are to follow: arguments that `mesh` and `field` share.
 
 use super::features::FeatureArguments;
-use super::mesh::{degrees, number};
+use super::numbers::{degrees, number};
 use clap::Args;
 use quadmosaic::field::{Align, FieldOptions, Guide, GuideReport, read_guides};
 use quadmosaic::surface::{FeatureOptions, NamedEdge};
 use std::path::PathBuf;
 
 #[derive(Args)]
-pub struct Rows {
+pub struct FieldArguments {
     #[command(flatten)]
     features: FeatureArguments,
     /// Angle in degrees (1 to 180) by which a smooth surface must turn within one tile for the line of sharpest turn to carry
@@ -30,7 +30,7 @@ pub struct Rows {
     align: Option<Align>,
 }
 
-impl Rows {
+impl FieldArguments {
     /// What counts as a feature.
     pub fn features(&self) -> FeatureOptions {
         FeatureOptions { ridge: self.ridge, ..self.features.options() }

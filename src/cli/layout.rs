@@ -1,13 +1,13 @@
 //! How rows are laid: arguments that `mesh`, `mosaic`, `picture` and `study` share.
 
-use super::mesh::number;
+use super::numbers::number;
 use super::summary;
 use clap::{Args, ValueEnum};
 use quadmosaic::field::{ASPECTS, StretchReport};
 use quadmosaic::parametrize::Rows;
 
 #[derive(Args)]
-pub struct Weave {
+pub struct LayoutArguments {
     /// Whether rows of tiles may end inside the surface
     #[arg(long = "rows", value_name = "KIND", default_value = "paper", help_heading = "Rows")]
     row_ends: RowEnds,
@@ -33,7 +33,7 @@ enum RowEnds {
     Continuous,
 }
 
-impl Weave {
+impl LayoutArguments {
     /// Whether rows may end.
     pub fn rows(&self) -> Rows {
         match self.row_ends {
