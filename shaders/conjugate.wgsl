@@ -1,4 +1,5 @@
-// The vectors and scalar products of conjugate gradients; the twin of `descend` and `product` in src/field/smooth.rs.
+// The scalar products and the vectors of conjugate gradients; the twin of src/compute/cpu/conjugate.rs and of `descend` in
+// src/compute/cpu/multigrid.rs.
 
 struct Sum {
     // The number of values, or of sums that are summed up.

@@ -1,6 +1,6 @@
 // One step of relaxation: tiles push and pull each other into rows and walk on the surface.
-// The twin of src/mosaic/relax.rs, src/surface/walk.rs, `Sizes::at` and `axis_at` in src/field/mod.rs: the same operations in the
-// same order, so that both give the same bits where the device rounds as IEEE 754 does.
+// The twin of src/compute/cpu/relax.rs, src/surface/walk.rs and src/geometry.rs: the same operations in the same order, so that
+// both give the same bits where the device rounds as IEEE 754 does.
 
 // A triangle of the surface. `beyond`: the opposite half-edge of each half-edge; NONE where it may not be crossed.
 struct Triangle {
@@ -21,7 +21,7 @@ struct Triangle {
 // The scale of the tiles' sizes.
 @group(0) @binding(7) var<uniform> scale: f32;
 
-// The same numbers stand in src/mosaic/relax.rs and src/surface/walk.rs.
+// The same numbers stand in src/compute/cpu/relax.rs and src/surface/walk.rs; tests/shaders.rs compares them.
 const LEAST_COSINE: f32 = 0.2;
 const SHEET: f32 = 0.6;
 const STEP: f32 = 0.7;
@@ -67,7 +67,7 @@ fn corner(triangle: u32, k: u32) -> vec3<f32> {
 }
 
 // How far a point of a triangle is towards its second and third corner, in shares of the way from the first.
-fn shares(triangle: u32, position: vec3<f32>) -> vec2<f32> {
+fn barycentric(triangle: u32, position: vec3<f32>) -> vec2<f32> {
     let a = corner(triangle, 0u);
     let b = corner(triangle, 1u);
     let c = corner(triangle, 2u);
@@ -255,7 +255,7 @@ fn relax(
     }
     var pull = vec3<f32>(0.0);
     var weight = 0.0;
-    for (var slot = 0u; slot < SLOTS; slot++) {
+    for (var slot = 0u; slot < LIST_LENGTH; slot++) {
         let other = lists[slot * grid.count + id];
         if other == NONE {
             break;
@@ -276,7 +276,7 @@ fn relax(
     result.position = foot.position;
     result.triangle = foot.triangle;
     result.normal = unit(cross3(corner(foot.triangle, 1u) - a, corner(foot.triangle, 2u) - a));
-    let share = shares(foot.triangle, foot.position);
+    let share = barycentric(foot.triangle, foot.position);
     result.h = scale * size_at(foot.triangle, share);
     result.axis = axis_at(foot.triangle, share);
     moved[id] = result;

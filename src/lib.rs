@@ -18,5 +18,6 @@ pub mod picture;
 pub mod pipeline;
 pub mod report;
 pub mod sizes;
+mod solver;
 pub mod study;
 pub mod surface;

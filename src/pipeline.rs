@@ -396,9 +396,7 @@ pub fn lay(
     options: &Options,
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
-    let ground = backend.ground(surface, field)?;
-    MosaicBuilder { surface, field, backend, ground: &*ground, effort: Effort::default(), rows: options.rows, progress }
-        .with_count(count)
+    MosaicBuilder { surface, field, backend, effort: Effort::default(), rows: options.rows, progress }.with_count(count)
 }
 
 /// Before long work: what can be known of the aspect without the surface.

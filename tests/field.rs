@@ -4,8 +4,8 @@ mod common;
 
 use common::surfaces::{EXAMPLES, example, flat, surface, unit_corners};
 use glam::DVec3;
-use quadmosaic::compute::Cpu;
-use quadmosaic::field::{Align, Complex, Field, FieldOptions, Guide, GuideTrouble, SingularityLocation};
+use quadmosaic::compute::{Complex, Cpu};
+use quadmosaic::field::{Align, Field, FieldOptions, Guide, GuideTrouble, SingularityLocation};
 use quadmosaic::mosaic::seed;
 use quadmosaic::surface::{FeatureOptions, Soup, Surface};
 use std::f64::consts::FRAC_PI_2;

@@ -3,7 +3,7 @@
 mod common;
 
 use common::surfaces::{EXAMPLES, example, surface};
-use quadmosaic::compute::{Backend, Cpu};
+use quadmosaic::compute::Cpu;
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mesh::check::check;
 use quadmosaic::mesh::connect::{ConnectOptions, connect};
@@ -21,19 +21,16 @@ const COUNT: usize = 1_000;
 fn tiled(name: &str) -> (Surface, Mosaic, Triangulation) {
     let surface = surface(&example(name, 4_000));
     let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
-    let ground = Cpu.ground(&surface, &field).expect("the CPU does not fail");
-    let layer = MosaicBuilder {
+    let builder = MosaicBuilder {
         surface: &surface,
         field: &field,
         backend: &Cpu,
-        ground: &*ground,
         effort: Effort::default(),
         rows: Rows::Paper,
         progress: &|_| {},
     };
-    let mosaic = layer.with_count(COUNT).expect("the CPU does not fail");
+    let mosaic = builder.with_count(COUNT).expect("the CPU does not fail");
     let triangulation = triangulate(&surface, &field, &mosaic);
-    drop(ground);
     (surface, mosaic, triangulation)
 }
 

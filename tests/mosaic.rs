@@ -4,7 +4,7 @@ mod common;
 
 use common::surfaces::{EXAMPLES, example, surface, unit_corners};
 use glam::DVec3;
-use quadmosaic::compute::{Backend, Cpu};
+use quadmosaic::compute::Cpu;
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mosaic::{
     CurveParameters, Effort, FeaturePoint, Mosaic, MosaicBuilder, Tile, feature_samples, seed, side_for_count,
@@ -16,17 +16,15 @@ use std::collections::HashSet;
 const COUNT: usize = 2_000;
 
 fn laid(surface: &Surface, field: &Field, count: usize) -> Mosaic {
-    let ground = Cpu.ground(surface, field).expect("the CPU does not fail");
-    let layer = MosaicBuilder {
+    let builder = MosaicBuilder {
         surface,
         field,
         backend: &Cpu,
-        ground: &*ground,
         effort: Effort::default(),
         rows: Rows::Paper,
         progress: &|_| {},
     };
-    layer.with_count(count).expect("the CPU does not fail")
+    builder.with_count(count).expect("the CPU does not fail")
 }
 
 fn field(surface: &Surface) -> Field {

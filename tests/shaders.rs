@@ -7,13 +7,12 @@ use std::path::Path;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, TypeInner};
-use quadmosaic::field::{Link, Row};
+use quadmosaic::compute::{Link, Row, Tile, Triangle};
 use quadmosaic::gpu::conjugate::Sum;
 use quadmosaic::gpu::grid::GridSettings;
-use quadmosaic::gpu::relax::Triangle;
-use quadmosaic::gpu::smooth::{Sweep, Transfer};
+use quadmosaic::gpu::smooth::Sweep;
+use quadmosaic::gpu::transfer::Transfer;
 use quadmosaic::gpu::{Access, GpuError, Program, WORKGROUP};
-use quadmosaic::mosaic::Tile;
 
 /// The kernels' files, each joined after `common.wgsl`, and `common.wgsl` alone.
 fn sources() -> Vec<(String, String)> {
@@ -116,7 +115,7 @@ fn shared_records() -> Vec<(&'static str, Layout)> {
         ("Tile", layout!(Tile: position, h, normal, triangle, axis, quarters)),
         ("Triangle", layout!(Triangle: corners, beyond)),
         ("Sweep", layout!(Sweep: count, step)),
-        ("Row", layout!(Row: start, diagonal, anchor)),
+        ("Row", layout!(Row: start, diagonal, mass)),
         ("Transfer", layout!(Transfer: fine, coarse)),
         ("Sum", layout!(Sum: count, numerator, denominator, to)),
     ]

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each bench compiles this file, and none uses all of it")]
 
 use criterion::Criterion;
-use quadmosaic::compute::{Backend, Cpu};
+use quadmosaic::compute::Cpu;
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mesh::connect::{ConnectOptions, connect};
 use quadmosaic::mesh::fill::{Holes, fill};
@@ -40,17 +40,15 @@ pub fn field(surface: &Surface) -> Field {
 }
 
 pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {
-    let ground = Cpu.ground(surface, field).expect("the CPU does not fail");
-    let layer = MosaicBuilder {
+    let builder = MosaicBuilder {
         surface,
         field,
         backend: &Cpu,
-        ground: &*ground,
         effort: Effort::default(),
         rows: Rows::Paper,
         progress: &|_| {},
     };
-    layer.with_count(POINTS).expect("the CPU does not fail")
+    builder.with_count(POINTS).expect("the CPU does not fail")
 }
 
 /// The surface, its tiles' triangulation and the mesh with its holes filled.

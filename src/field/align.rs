@@ -8,7 +8,7 @@
 //! radius `R` a deviation dies away over the length `R / sqrt(weight)`.
 
 use super::Sectors;
-use super::guides::{Grip, angle_along};
+use super::constraints::{DirectionConstraint, angle_along};
 use crate::surface::Surface;
 use crate::surface::curvature::{curvatures, radius_of_tile};
 use rayon::prelude::*;
@@ -25,25 +25,30 @@ pub struct Align {
     pub side: Option<f64>,
 }
 
-/// The pulls of curvature on sectors that are whole and not gripped.
-pub(super) fn grips(surface: &Surface, sectors: &Sectors, align: &Align, gripped: &[Grip]) -> Vec<Grip> {
+/// The constraints of curvature on sectors that are whole and in none of the `others`.
+pub(super) fn constraints(
+    surface: &Surface,
+    sectors: &Sectors,
+    align: &Align,
+    others: &[DirectionConstraint],
+) -> Vec<DirectionConstraint> {
     if align.weight <= 0.0 {
         return Vec::new();
     }
-    let mut spoken: Vec<bool> = sectors.quarters.iter().map(|&quarters| quarters > 0).collect();
-    gripped.iter().for_each(|grip| spoken[grip.sector as usize] = true);
+    let mut constrained: Vec<bool> = sectors.quarters.iter().map(|&quarters| quarters > 0).collect();
+    others.iter().for_each(|other| constrained[other.sector as usize] = true);
     // The edge of an equilateral triangle of the mean area.
     let edge = || (surface.area() / surface.triangle_count() as f64 * 4.0 / 3f64.sqrt()).sqrt();
     let side = align.side.map_or_else(|| EDGES * edge(), |side| side / surface.frame().diagonal);
     let curvatures = curvatures(surface, radius_of_tile(side));
     (0..sectors.count() as u32)
         .into_par_iter()
-        .filter(|&sector| !spoken[sector as usize])
+        .filter(|&sector| !constrained[sector as usize])
         .filter_map(|sector| {
             let bend = &curvatures[surface.origin(sectors.first_corner[sector as usize]) as usize];
             let angle = angle_along(surface, sectors, sector, bend.directions[0])?;
             let anisotropy = bend.values[0].abs() - bend.values[1].abs();
-            Some(Grip { sector, angle, density: Some(align.weight * anisotropy.powi(2)) })
+            Some(DirectionConstraint { sector, angle, density: Some(align.weight * anisotropy.powi(2)) })
         })
         .collect()
 }

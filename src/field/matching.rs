@@ -1,6 +1,7 @@
 //! The matching of crosses: which of one's directions is which of another's.
 
-use super::{Complex, Sectors};
+use super::Sectors;
+use crate::compute::Complex;
 use crate::surface::next;
 use std::f64::consts::{FRAC_PI_2, PI};
 

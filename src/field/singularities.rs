@@ -7,7 +7,8 @@
 //! index (of 180, on a boundary). By Poincaré and Hopf all indices add up to the Euler characteristic, on an open surface
 //! too, for the field follows its boundary.
 
-use super::{Complex, Sectors};
+use super::Sectors;
+use crate::compute::Complex;
 use crate::surface::{Surface, next};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};

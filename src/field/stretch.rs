@@ -24,15 +24,14 @@
 //! A stretch is held as `log(side / mean side) (cos 2t, sin 2t)`, `t` the angle of the longer side: so it can be
 //! averaged, and says how long a tile is in any direction.
 
-use super::guides::Grip;
-use super::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
+use super::constraints::DirectionConstraint;
 use super::matching::{Passage, axes};
-use super::smooth::Pace;
-use super::{Complex, Field, Guide, Hierarchy, Level, Link, Sectors, guides};
-use crate::compute::{Backend, ComputeError};
-use crate::geometry::{cross, dot, unit};
+use super::{Field, Guide, Sectors, guides};
+use crate::compute::{Backend, Complex, ComputeError, Link};
+use crate::geometry::{barycentric, cross, dot, unit};
 use crate::sizes::Growth;
-use crate::surface::{Surface, next, previous, shares};
+use crate::solver::{Hierarchy, Problem, Terms};
+use crate::surface::{Surface, next, previous};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -51,8 +50,8 @@ const BLEND: f64 = 2.0;
 const CLEAR: f64 = 0.2;
 /// Fainter values, as behind many cuts, may be roundings.
 const FAINT: f32 = 1e-6;
-/// Descents of the solver: signs alone count.
-const DESCENTS: u32 = 8;
+/// Iterations of the solver: signs alone count.
+const ITERATIONS: u32 = 8;
 
 /// Why tiles cannot be stretched.
 #[derive(Debug, Error)]
@@ -126,11 +125,11 @@ impl Stretch {
         StretchError::of_aspect(aspect)?;
         let sectors = field.sectors();
         let web = Web::new(surface, sectors, axes(sectors, field.crosses()));
-        let wishes = web.wishes(&guides::grips(surface, sectors, guides).0);
+        let wishes = web.wishes(&guides::constraints(surface, sectors, guides).0);
         if wishes.iter().all(|&wish| wish == 0.0) {
             return Err(StretchError::NoGuide);
         }
-        let choices = web.choices(&backend.smooth(&web.equations(&wishes))?);
+        let choices = web.choices(&web.equations(&wishes).solve(backend)?);
         let full = aspect.ln() / 2.0;
         let (logs, odd_singularities) = web.logs(&choices, full, full / (BLEND * side * aspect.sqrt()));
 
@@ -181,7 +180,7 @@ impl Stretch {
     /// The side over the mean one in a unit direction along a triangle.
     pub(crate) fn factor(&self, surface: &Surface, triangle: u32, position: Vec3, direction: Vec3) -> f32 {
         let corners = surface.corners(triangle as usize);
-        let [wb, wc] = shares(corners, position);
+        let [wb, wc] = barycentric(corners, position);
         let weights = [(1.0 - wb - wc).max(0.0), wb, wc];
         let z = self.in_triangles[triangle as usize];
         let [x, y] = [0, 1].map(|k| (0..3).map(|corner| z[corner][k] * weights[corner]).sum::<f32>());
@@ -242,10 +241,9 @@ impl<'a> Web<'a> {
     /// Those at one end of several half-edges are visited as often.
     fn visit_neighbours(&self, sector: u32, mut visit: impl FnMut(u32, bool, f64)) {
         let Self { surface, sectors, .. } = self;
-        let weight = |h: u32| (sectors.cotangent(previous(h)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT);
         for corner in sectors.corners(surface, sector) {
             for (h, end) in [(corner, next(corner)), (previous(corner), previous(corner))] {
-                visit(sectors.of_corner[end as usize], self.swaps[h as usize], weight(h));
+                visit(sectors.of_corner[end as usize], self.swaps[h as usize], sectors.edge_weight(h));
             }
         }
         let start = self.seams.partition_point(|seam| seam.0 < sector);
@@ -254,17 +252,18 @@ impl<'a> Web<'a> {
     }
 
     /// What the guides choose in each sector: 1 its axis, -1 the direction across, 0 nothing.
-    fn wishes(&self, grips: &[Grip]) -> Vec<f32> {
+    fn wishes(&self, directions: &[DirectionConstraint]) -> Vec<f32> {
         let mut sums = vec![0.0; self.axes.len()];
-        for grip in grips {
-            sums[grip.sector as usize] += (2.0 * (grip.angle - self.axes[grip.sector as usize])).cos();
+        for direction in directions {
+            sums[direction.sector as usize] += (2.0 * (direction.angle - self.axes[direction.sector as usize])).cos();
         }
         sums.iter().map(|sum: &f64| if sum.abs() < CLEAR { 0.0 } else { sum.signum() as f32 }).collect()
     }
 
     /// The equations whose answer is each sector's choice, the wishes being fixed.
     fn equations(&self, wishes: &[f32]) -> Hierarchy {
-        let Gathered { rows: excess, starts, links } = gather(self.axes.len(), |s, links| {
+        let right_hand_side = wishes.iter().map(|&wish| [wish, 0.0]).collect();
+        let problem = Problem::new(right_hand_side, |s, links| {
             let own = links.len();
             self.visit_neighbours(s as u32, |neighbour, swaps, weight| {
                 let weight = (if swaps { -weight } else { weight }) as f32;
@@ -273,13 +272,9 @@ impl<'a> Web<'a> {
                     None => links.push(Link { neighbour, weight: [weight, 0.0] }),
                 }
             });
-            Excess { fixed: wishes[s] != 0.0, ..Excess::default() }
+            Terms { fixed: wishes[s] != 0.0, ..Terms::default() }
         });
-        let pulls = wishes.iter().map(|&wish| [wish, 0.0]).collect();
-        let levels = coarsen(Level::new(&excess, &starts, links, pulls), excess);
-        let start = levels.len() - 1;
-        let crosses = levels[start].fixed_crosses();
-        Hierarchy { levels, start, crosses, pace: Pace { descents: DESCENTS, flows: 0, last_flows: 0 } }
+        Hierarchy::linear(problem, ITERATIONS)
     }
 
     /// The signs of values; where these are faint, what passes there from others. 0 in parts without any.

@@ -2,8 +2,8 @@
 
 use super::{Buffer, Gpu, GpuError};
 
-/// Invocations in a workgroup of every kernel; the same number stands in `shaders/common.wgsl`.
-pub const WORKGROUP: u32 = 256;
+/// Invocations in a workgroup of every kernel.
+pub const WORKGROUP: u32 = crate::compute::WORKGROUP as u32;
 
 /// What the kernels of a [`Program`] do with one of their bindings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

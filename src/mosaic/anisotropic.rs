@@ -3,8 +3,9 @@
 //! A tile's `h` is the mean of its two sides, as of a square with its area; what it is longer by along its axis, and shorter
 //! across, the mosaic knows.
 
-use super::relax::see;
-use super::{Mosaic, Tile};
+use super::Mosaic;
+use crate::compute::Tile;
+use crate::compute::cpu::relax::see;
 use crate::field::Field;
 use crate::surface::Surface;
 

@@ -4,9 +4,8 @@
 //! Squares whose rows may end are laid coarsely, relaxed, and split three by three, level after level. Rows that pass over
 //! the whole surface, and rectangles, are laid at their final scale and not relaxed.
 
-use super::relax::Relaxation;
-use super::{CurveParameters, Mosaic, Tile, insert_delete, refine, seed};
-use crate::compute::{Backend, ComputeError, Ground};
+use super::{CurveParameters, Mosaic, insert_delete, refine, seed};
+use crate::compute::{Backend, ComputeError, Relaxation, RelaxationContext, Tile};
 use crate::field::Field;
 use crate::geometry::dot;
 use crate::parametrize::integer_grid::{DOUBLE, continuous_integer_grid, integer_grid};
@@ -62,10 +61,8 @@ pub struct MosaicBuilder<'a> {
     pub surface: &'a Surface,
     /// Its field.
     pub field: &'a Field,
-    /// What the parametrization is solved on.
+    /// What the kernels run on.
     pub backend: &'a dyn Backend,
-    /// Surface and field, made ready for relaxation.
-    pub ground: &'a dyn Ground,
     /// How hard to work.
     pub effort: Effort,
     /// Whether rows may end.
@@ -74,15 +71,29 @@ pub struct MosaicBuilder<'a> {
     pub progress: &'a dyn Fn(f32),
 }
 
+/// A builder at work: where tiles are relaxed, with the context for it.
+pub(super) struct Laying<'a> {
+    pub builder: &'a MosaicBuilder<'a>,
+    pub relaxation: Option<Box<dyn RelaxationContext + 'a>>,
+}
+
 impl MosaicBuilder<'_> {
+    /// Whether tiles are relaxed after they are laid.
+    pub(super) fn relaxes(&self) -> bool {
+        self.rows == Rows::Paper && self.field.stretch().is_none()
+    }
+}
+
+impl Laying<'_> {
     /// Tiles at the scale `h`, the finest level not relaxed; their sides differ by up to `tilt` over the surface.
     ///
     /// # Errors
     /// Where the backend fails.
     pub(super) fn unrelaxed(&self, h: f32, tilt: f32) -> Result<Mosaic, ComputeError> {
-        let splits = splits(self.surface, self.field.sizes(), f64::from(h), self.effort.solved);
+        let &MosaicBuilder { surface, field, effort, .. } = self.builder;
+        let splits = splits(surface, field.sizes(), f64::from(h), effort.solved);
         let mut mosaic = self.laid(h, tilt, 3u32.pow(splits as u32))?;
-        if self.relaxes() {
+        if self.relaxation.is_some() {
             for split in 1..=splits {
                 mosaic = self.relaxed(mosaic, h * 3f32.powi(splits - split + 1))?;
                 mosaic = self.refined(&mosaic, h * 3f32.powi(splits - split));
@@ -94,13 +105,14 @@ impl MosaicBuilder<'_> {
     /// Tiles on the integer grid of a parametrization that is solved at the scale `h * finer`: at that scale where they will
     /// be relaxed and split, else at the scale `h`, with `finer` times as many rows.
     fn laid(&self, h: f32, tilt: f32, finer: u32) -> Result<Mosaic, ComputeError> {
-        let &Self { surface, field, rows, backend, .. } = self;
+        let &MosaicBuilder { surface, field, rows, backend, .. } = self.builder;
         let solved = h * finer as f32;
         let mut parametrization =
             Parametrization::solve(surface, field, sides(surface, field, solved, tilt), rows, backend)?;
         let row_ends = parametrization.close(surface, rows, finer, backend)?;
-        let h = if self.relaxes() { solved } else { h };
-        if !self.relaxes() {
+        let is_relaxed = self.relaxation.is_some();
+        let h = if is_relaxed { solved } else { h };
+        if !is_relaxed {
             parametrization.multiply(finer);
         }
         let mut metric = match rows {
@@ -118,7 +130,7 @@ impl MosaicBuilder<'_> {
         let curve_parameters = CurveParameters::new(surface, field, &parametrization);
         let mosaic = Mosaic::new(surface, field, h, curve_parameters, tiles);
         let mosaic = match rows {
-            _ if self.relaxes() => insert_delete::insert_and_delete(surface, field, &mosaic),
+            _ if is_relaxed => insert_delete::insert_and_delete(surface, field, &mosaic),
             Rows::Paper => insert_delete::delete_crowded(&mosaic, insert_delete::CROWDED),
             Rows::Continuous => insert_delete::delete_crowded(&mosaic, DOUBLE),
         };
@@ -128,15 +140,11 @@ impl MosaicBuilder<'_> {
         Ok(Mosaic { metric, row_ends: Some(row_ends), ..mosaic })
     }
 
-    /// Whether tiles are moved after they are laid.
-    pub(super) fn relaxes(&self) -> bool {
-        self.rows == Rows::Paper && self.field.stretch().is_none()
-    }
-
     fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {
-        let free = refine::refine(self.surface, self.field, coarse, h);
-        let refined = Mosaic::new(self.surface, self.field, h, coarse.curve_parameters.thirds(), free);
-        Mosaic { row_ends: coarse.row_ends, ..insert_delete::insert_and_delete(self.surface, self.field, &refined) }
+        let &MosaicBuilder { surface, field, .. } = self.builder;
+        let free = refine::refine(surface, field, coarse, h);
+        let refined = Mosaic::new(surface, field, h, coarse.curve_parameters.thirds(), free);
+        Mosaic { row_ends: coarse.row_ends, ..insert_delete::insert_and_delete(surface, field, &refined) }
     }
 
     /// Relaxed in batches, tiles being inserted and deleted after each; as it is where tiles are not relaxed.
@@ -144,14 +152,13 @@ impl MosaicBuilder<'_> {
     /// # Errors
     /// Where the backend fails.
     pub(super) fn relaxed(&self, mut mosaic: Mosaic, h: f32) -> Result<Mosaic, ComputeError> {
-        if !self.relaxes() {
-            return Ok(mosaic);
-        }
-        let relaxation = Relaxation::new(self.effort.steps, h, self.field.sizes());
-        for _ in 0..self.effort.batches {
-            let tiles = self.ground.relax(&mosaic.tiles, &relaxation)?;
+        let Some(context) = &self.relaxation else { return Ok(mosaic) };
+        let &MosaicBuilder { surface, field, effort, .. } = self.builder;
+        let relaxation = Relaxation::new(effort.steps, h, field.sizes());
+        for _ in 0..effort.batches {
+            let tiles = context.relax(&mosaic.tiles, &relaxation)?;
             let is_still = movement(&mosaic.tiles, &tiles) < STILL;
-            mosaic = insert_delete::insert_and_delete(self.surface, self.field, &Mosaic { tiles, ..mosaic });
+            mosaic = insert_delete::insert_and_delete(surface, field, &Mosaic { tiles, ..mosaic });
             if is_still {
                 break;
             }

@@ -4,7 +4,8 @@
 //! Up to its finest level a mosaic is cheap. It is laid at another scale until its count there is right, and only then
 //! relaxed on the finest level.
 
-use super::{Mosaic, MosaicBuilder};
+use super::Mosaic;
+use super::builder::{Laying, MosaicBuilder};
 use crate::compute::ComputeError;
 use crate::parametrize::Rows;
 
@@ -39,6 +40,14 @@ impl MosaicBuilder<'_> {
     /// # Errors
     /// Where the backend fails.
     pub fn with_count(&self, count: usize) -> Result<Mosaic, ComputeError> {
+        let surface = self.relaxes().then(|| self.field.relaxation_surface(self.surface));
+        let relaxation = surface.as_ref().map(|surface| self.backend.relaxation(surface)).transpose()?;
+        Laying { builder: self, relaxation }.with_count(count)
+    }
+}
+
+impl Laying<'_> {
+    fn with_count(&self, count: usize) -> Result<Mosaic, ComputeError> {
         let mut aim = count as f64;
         let mut tried = Vec::new();
         let mut best = self.aimed_at(aim, &mut tried)?;
@@ -46,7 +55,7 @@ impl MosaicBuilder<'_> {
         let miss = |found: usize| (found.max(1) as f64 / count as f64).ln().abs();
         for _ in 1..ATTEMPTS {
             // Where features alone have more tiles than are wanted, or tiles are not relaxed, no other aim helps.
-            if miss(last) < COUNT_ERROR || best.feature_samples.len() >= count || !self.relaxes() {
+            if miss(last) < COUNT_ERROR || best.feature_samples.len() >= count || self.relaxation.is_none() {
                 break;
             }
             aim *= count as f64 / last.max(1) as f64;
@@ -63,7 +72,7 @@ impl MosaicBuilder<'_> {
     /// begin.
     fn aimed_at(&self, count: f64, tried: &mut Vec<Try>) -> Result<Mosaic, ComputeError> {
         // Rows that pass everywhere cost more than what they miss by.
-        let [less, more] = if self.rows == Rows::Continuous { [COUNT_ERROR; 2] } else { UNRELAXED_ERROR };
+        let [less, more] = if self.builder.rows == Rows::Continuous { [COUNT_ERROR; 2] } else { UNRELAXED_ERROR };
         let (middle, reach) = ((more - less) / 2.0, (more + less) / 2.0);
         let off = |found: usize| ((found.max(1) as f64 / count).ln() - middle).abs();
         let mut best: Option<(Try, Mosaic)> = None;
@@ -85,10 +94,10 @@ impl MosaicBuilder<'_> {
                 break;
             }
         }
-        (self.progress)(0.3);
+        (self.builder.progress)(0.3);
         let (Try { h, .. }, mosaic) = best.expect("one try at least");
         let relaxed = self.relaxed(mosaic, h)?;
-        (self.progress)(1.0);
+        (self.builder.progress)(1.0);
         Ok(relaxed)
     }
 
@@ -105,7 +114,7 @@ impl MosaicBuilder<'_> {
                 (small * (large / small).powf(many / (many - few))) as f32
             }
             (_, Some(last)) => last.h * (miss(last) / 2.0).exp() as f32,
-            (_, None) => self.field.sizes().side_for_count(self.surface, count.round() as usize),
+            (_, None) => self.builder.field.sizes().side_for_count(self.builder.surface, count.round() as usize),
         }
     }
 }

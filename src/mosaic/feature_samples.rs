@@ -6,7 +6,7 @@
 //! is seen from each side of the feature apart, with that side's normal and the curve's tangent as axis. Where sheets
 //! meet, each has its own tiles, at the same places.
 
-use super::Tile;
+use crate::compute::Tile;
 use crate::field::Field;
 use crate::geometry::{cross, unit};
 use crate::parametrize::Parametrization;

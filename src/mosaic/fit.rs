@@ -4,11 +4,12 @@
 //! The forerunners' aim (the paper's references 1 and 2): tiles that almost cover the surface, without overlaps. Areas are
 //! measured at points that are spread evenly over the surface: each asks which tiles it lies in, as a tile sees it.
 
+use super::Mosaic;
 use super::anisotropic::see_anisotropic;
-use super::grid::Grid;
 use super::quarters::quarter_count;
-use super::relax::cell;
-use super::{Mosaic, Tile};
+use crate::compute::Tile;
+use crate::compute::cell;
+use crate::compute::cpu::grid::Grid;
 use crate::surface::sampling::sample_evenly;
 use crate::surface::{Surface, SurfacePoint};
 use rayon::prelude::*;

@@ -1,9 +1,10 @@
 //! Between batches of relaxation: one of two tiles that overlap goes, and a tile comes where a place is empty.
 
+use super::Mosaic;
 use super::anisotropic::see_anisotropic;
-use super::grid::Grid;
-use super::relax::{self, Sight, see};
-use super::{Mosaic, Tile};
+use crate::compute::cpu::grid::Grid;
+use crate::compute::cpu::relax::{Sight, see};
+use crate::compute::{Tile, cell};
 use crate::field::Field;
 use crate::geometry::dot;
 use crate::surface::{Surface, WALK_EDGES, walk};
@@ -26,7 +27,7 @@ pub fn insert_and_delete(surface: &Surface, field: &Field, mosaic: &Mosaic) -> M
 }
 
 fn cell_of(tiles: &[Tile]) -> f32 {
-    relax::cell(tiles.iter().map(|t| t.h).fold(0.0, f32::max))
+    cell(tiles.iter().map(|t| t.h).fold(0.0, f32::max))
 }
 
 /// The mosaic without those tiles that have another within this of them along both axes, in tile sides.

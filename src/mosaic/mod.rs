@@ -30,80 +30,20 @@ mod builder;
 mod count_search;
 pub mod feature_samples;
 pub mod fit;
-pub mod grid;
 pub mod insert_delete;
-pub mod neighbours;
 pub mod quarters;
 pub mod refine;
-pub mod relax;
 pub mod seed;
+mod tile;
 
+pub use crate::compute::Tile;
 pub use builder::{Effort, MosaicBuilder, longest_edges};
 pub use feature_samples::{CurveParameters, FeaturePoint, FeatureSample};
-pub use relax::Relaxation;
 
 use crate::field::Field;
-use crate::parametrize::integer_grid::GridPoint;
 use crate::parametrize::{GridMetric, RowEnds};
 use crate::sizes::Sizes;
 use crate::surface::Surface;
-use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
-
-/// A tile, or one side of a tile on a feature; the record that the kernels read.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct Tile {
-    /// Its centre, on the surface.
-    pub position: [f32; 3],
-    /// Its side length; of a rectangle, that of a square with its area.
-    pub h: f32,
-    /// The surface's unit normal there.
-    pub normal: [f32; 3],
-    /// The triangle that it lies in.
-    pub triangle: u32,
-    /// One direction of its cross: a unit vector along the surface.
-    pub axis: [f32; 3],
-    /// 0: free to move. Else it is the side of a fixed tile on a feature: the number of quarter turns from `axis`,
-    /// counter-clockwise, that belong to this side.
-    pub quarters: u32,
-}
-
-impl Tile {
-    pub(crate) fn at(&self) -> Vec3 {
-        Vec3::from(self.position)
-    }
-
-    pub(crate) fn normal(&self) -> Vec3 {
-        Vec3::from(self.normal)
-    }
-
-    /// The direction of the cross at `turn` quarter turns, counter-clockwise, from `axis`.
-    pub(crate) fn direction(&self, turn: u32) -> Vec3 {
-        let axis = Vec3::from(self.axis);
-        let direction = if turn % 2 == 1 { crate::geometry::cross(self.normal(), axis) } else { axis };
-        if turn % 4 < 2 { direction } else { -direction }
-    }
-
-    /// A free tile at a point of a triangle, turned along the field; `h` is the scale of its sizes.
-    pub(crate) fn free(surface: &Surface, field: &Field, triangle: u32, position: Vec3, h: f32) -> Self {
-        let side = h * field.sizes().at(surface, triangle, position);
-        Self::on_grid(surface, field, &GridPoint { triangle, position, side })
-    }
-
-    /// A free tile at a point of the integer grid, turned along the field.
-    fn on_grid(surface: &Surface, field: &Field, point: &GridPoint) -> Self {
-        let &GridPoint { triangle, position, side } = point;
-        Self {
-            position: position.into(),
-            h: side,
-            normal: surface.normal(triangle as usize).into(),
-            triangle,
-            axis: field.axis(surface, triangle, position).into(),
-            quarters: 0,
-        }
-    }
-}
 
 /// Tiles on features, with their sides, and free tiles.
 #[derive(Clone, Debug, Default)]

@@ -4,7 +4,8 @@
 //! A point of a square is found by walking there from the tile's centre, so that squares bend with the surface and do not
 //! pass features. The side of a tile on a feature has as many quarters of a square as it has quarter turns.
 
-use super::{Mosaic, Tile};
+use super::Mosaic;
+use crate::compute::Tile;
 use crate::surface::{Surface, WALK_EDGES, walk};
 use glam::Vec3;
 use rayon::prelude::*;

@@ -2,7 +2,8 @@
 //!
 //! The middle one of the nine stays where its parent was, so rows that lie on features stay there.
 
-use super::{Mosaic, Tile};
+use super::Mosaic;
+use crate::compute::Tile;
 use crate::field::Field;
 use crate::surface::{Surface, WALK_EDGES, walk};
 use rayon::prelude::*;

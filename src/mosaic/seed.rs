@@ -1,6 +1,6 @@
 //! First tiles, spread evenly over the surface.
 
-use super::Tile;
+use crate::compute::Tile;
 use crate::field::Field;
 use crate::surface::Surface;
 

@@ -1,24 +1,19 @@
 //! The equations of the phases, in the form of the field's.
 
 use super::{Cone, Parametrization, Transition, Unknowns, along};
-use crate::field::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
-use crate::field::smooth::{Pace, flowed};
-use crate::field::{Complex, Hierarchy, Level, Link, MIRRORED, Sectors};
+use crate::compute::{Complex, ComputeError, Link, MIRRORED};
+use crate::field::Sectors;
+use crate::solver::{Hierarchy, Problem, Terms};
 use crate::surface::{Surface, next, previous};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::f64::consts::TAU;
 
-/// Unknowns of the level that the smoothing sets out from: some of them for each region of rows in step.
-const OUTSET: usize = 500;
-/// Sweeps there.
-const OUTSET_FLOWS: u32 = 200;
 /// How strongly the corners of its triangle are drawn to a cone; an edge's weight is about 0.6.
 const CONE_WEIGHT: f64 = 2.0;
-/// Sweeps on each finer level.
-const FLOWS: u32 = 20;
-
-/// Descents on each level for the offsets. 4 instead of 2 change the mean share of odd faces on nine models by 0.01 %.
-const OFFSET_DESCENTS: u32 = 2;
+/// Normalised sweeps on each level.
+const SWEEPS: u32 = 20;
+/// Iterations of conjugate gradients on each level for the offsets. (docs/experiments.md, parametrization)
+const OFFSET_ITERATIONS: u32 = 2;
 
 /// What is linked to what.
 pub struct Graph<'a> {
@@ -32,13 +27,13 @@ pub struct Graph<'a> {
 }
 
 /// The equations of the phases.
-pub fn equations(graph: &Graph) -> Hierarchy {
-    let pulls = graph.fixed.iter().map(|&fixed| [f32::from(fixed), 0.0]).collect();
-    let levels = graph.levels(|way, k| (TAU * way.by[k]).sin_cos(), pulls, &vec![0.0; graph.fixed.len()]);
-    let start = levels.iter().position(|level| level.len() <= OUTSET).unwrap_or(levels.len() - 1);
-    let crosses = flowed(&levels[start], spread(&levels[start]), OUTSET_FLOWS);
-    let pace = Pace { descents: 0, flows: FLOWS, last_flows: FLOWS };
-    Hierarchy { levels, start, crosses, pace }
+///
+/// # Errors
+/// Where the initial solution fails.
+pub fn equations(graph: &Graph) -> Result<Hierarchy, ComputeError> {
+    let right_hand_side = graph.fixed.iter().map(|&fixed| [f32::from(fixed), 0.0]).collect();
+    let free = vec![0.0; graph.fixed.len()];
+    Hierarchy::units(graph.problem(|way, k| (TAU * way.by[k]).sin_cos(), right_hand_side, &free), SWEEPS)
 }
 
 /// The equations of what must be added to the coordinates so that their steps are, in the sense of least squares, the
@@ -46,10 +41,10 @@ pub fn equations(graph: &Graph) -> Hierarchy {
 pub fn offsets(surface: &Surface, phases: &Parametrization, cones: &[Cone]) -> Hierarchy {
     let graph = phases.graph(surface);
     let Graph { sectors, unknowns, .. } = graph;
-    let mut pulls = vec![[0.0, 0.0]; phases.fixed.len()];
-    let mut pull = |unknown: u32, by: f64| {
-        let pull: &mut Complex = &mut pulls[(unknown & !MIRRORED) as usize];
-        pull[1] += (if unknown & MIRRORED != 0 { -by } else { by }) as f32;
+    let mut right_hand_side = vec![[0.0, 0.0]; phases.fixed.len()];
+    let mut add = |unknown: u32, by: f64| {
+        let sum: &mut Complex = &mut right_hand_side[(unknown & !MIRRORED) as usize];
+        sum[1] += (if unknown & MIRRORED != 0 { -by } else { by }) as f32;
     };
     for h in 0..phases.ways.len() as u32 {
         let way = phases.ways[h as usize];
@@ -57,8 +52,8 @@ pub fn offsets(surface: &Surface, phases: &Parametrization, cones: &[Cone]) -> H
         let [from, to] = [h, next(h)].map(|corner| sectors.of_corner[corner as usize] as usize);
         for k in 0..2 {
             let off = graph.weight(h) * (step[k as usize] - way.by[k as usize]);
-            pull(along(unknowns[from], k), off);
-            pull(along(unknowns[to], k + way.quarters), -off);
+            add(along(unknowns[from], k), off);
+            add(along(unknowns[to], k + way.quarters), -off);
         }
     }
     let mut held = vec![0.0; phases.fixed.len()];
@@ -67,39 +62,15 @@ pub fn offsets(surface: &Surface, phases: &Parametrization, cones: &[Cone]) -> H
         for (k, offset) in (0..3).zip(phases.cone_offsets(cone)) {
             let sector = sectors.of_corner[(3 * cone.triangle + k) as usize] as usize;
             for (unknown, off) in unknowns[sector].into_iter().zip(offset) {
-                pull(unknown, weight * off);
+                add(unknown, weight * off);
                 held[(unknown & !MIRRORED) as usize] += weight as f32;
             }
         }
     }
-    for (pull, _) in pulls.iter_mut().zip(&phases.fixed).filter(|&(_, &fixed)| fixed) {
-        *pull = [0.0, 0.0];
+    for (value, _) in right_hand_side.iter_mut().zip(&phases.fixed).filter(|&(_, &fixed)| fixed) {
+        *value = [0.0, 0.0];
     }
-    let levels = graph.levels(|_, _| (0.0, 1.0), pulls, &held);
-    let start = levels.len() - 1;
-    let crosses = vec![[0.0, 0.0]; levels[start].len()];
-    Hierarchy { levels, start, crosses, pace: Pace { descents: OFFSET_DESCENTS, flows: 0, last_flows: 0 } }
-}
-
-/// Values that spread from what is fixed, and where nothing is, from the first unknown: rows are in step with features
-/// before they meet each other.
-fn spread(level: &Level) -> Vec<Complex> {
-    let mut values = level.fixed_crosses();
-    let is_open = |value: &Complex| *value == [0.0, 0.0];
-    let mut left = level.len();
-    loop {
-        let open = values.iter().filter(|value| is_open(value)).count();
-        if open == 0 {
-            return values;
-        }
-        if open == left
-            && let Some(value) = values.iter_mut().find(|value| is_open(value))
-        {
-            *value = [1.0, 0.0];
-        }
-        left = open;
-        values = flowed(level, values, 1);
-    }
+    Hierarchy::linear(graph.problem(|_, _| (0.0, 1.0), right_hand_side, &held), OFFSET_ITERATIONS)
 }
 
 /// The two unknowns of each sector, and which unknowns are fixed.
@@ -161,18 +132,17 @@ fn readers(unknowns: &[Unknowns], count: usize) -> (Vec<u32>, Vec<[u32; 2]>) {
 
 impl Graph<'_> {
     fn weight(&self, half_edge: u32) -> f64 {
-        let weight = (self.sectors.cotangent(previous(half_edge)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT);
-        weight * self.stiffness.get(half_edge as usize / 3).unwrap_or(&1.0)
+        self.sectors.edge_weight(half_edge) * self.stiffness.get(half_edge as usize / 3).unwrap_or(&1.0)
     }
 
     /// Links each unknown along all half-edges; `turn` is the sine and cosine of the angle by which a way turns a value, `held` the
-    /// weight with which each unknown is pulled.
-    fn levels(
+    /// weight of each unknown's constraint.
+    fn problem(
         &self,
         turn: impl Fn(&Transition, usize) -> (f64, f64) + Sync,
-        pulls: Vec<Complex>,
+        right_hand_side: Vec<Complex>,
         held: &[f32],
-    ) -> Vec<Level> {
+    ) -> Problem {
         let &Self { surface, sectors, ways, unknowns, fixed, .. } = self;
 
         let (reader_starts, readers) = readers(unknowns, fixed.len());
@@ -184,7 +154,7 @@ impl Graph<'_> {
             Link { neighbour: along(end, k + way.quarters), weight: [(w * c) as f32, (-w * s) as f32] }
         };
         let sector_of = |corner: u32| sectors.of_corner[corner as usize] as usize;
-        let Gathered { rows: excess, starts, links } = gather(fixed.len(), |i, links| {
+        Problem::new(right_hand_side, |i, links| {
             let own = links.len();
             let mut add = |unknown: u32, link: Link| {
                 // As the unknown itself, not as the sector that reads it.
@@ -208,8 +178,7 @@ impl Graph<'_> {
                     add(unknown, link(entering, j, [0; 2]).back(unknowns[sector_of(entering)][j as usize]));
                 }
             }
-            Excess { fixed: fixed[i], pull: held[i], ..Excess::default() }
-        });
-        coarsen(Level::new(&excess, &starts, links, pulls), excess)
+            Terms { fixed: fixed[i], constraint: held[i], ..Terms::default() }
+        })
     }
 }

@@ -12,15 +12,16 @@
 //! they are.
 
 use super::turning;
-use crate::compute::{Backend, ComputeError};
-use crate::field::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
-use crate::field::smooth::Pace;
-use crate::field::{Field, Hierarchy, Level, Link};
+use crate::compute::{Backend, ComputeError, Link};
+use crate::field::Field;
+use crate::solver::{Hierarchy, Problem, Terms};
 use crate::surface::{Surface, previous};
 use glam::DVec3;
 
 /// How far chords may be from a feature, in mean sides.
 const MISS: f64 = 0.1;
+/// Iterations of the solver.
+const ITERATIONS: u32 = 8;
 
 /// The logarithm of the fitting side at each vertex against the mean one; `range`: the largest side over the mean, and the
 /// mean over the smallest.
@@ -33,7 +34,7 @@ pub fn integrable_sizes(
     range: f64,
     backend: &dyn Backend,
 ) -> Result<Vec<f64>, ComputeError> {
-    let values = backend.smooth(&equations(surface, field))?;
+    let values = equations(surface, field).solve(backend)?;
     let mut logs: Vec<f64> = values.iter().map(|z| f64::from(z[0])).collect();
     // Its zero is free: the mean over the area.
     let (mut sum, mut area) = (0.0, 0.0);
@@ -91,16 +92,16 @@ fn around(points: &[DVec3], closed: bool, at: usize, reach: f64) -> Option<[DVec
 fn equations(surface: &Surface, field: &Field) -> Hierarchy {
     let sectors = field.sectors();
     let turns = turning(field);
-    let mut pulls = vec![[0.0f32; 2]; surface.vertex_count()];
+    let mut right_hand_side = vec![[0.0f32; 2]; surface.vertex_count()];
     for t in 0..surface.triangle_count() as u32 {
         let sides = [3 * t, 3 * t + 1, 3 * t + 2];
         let open = sides.iter().map(|&h| turns[h as usize]).sum::<f64>() / 3.0;
         for h in sides {
-            pulls[surface.origin(previous(h)) as usize][0] -= ((turns[h as usize] - open) / 2.0) as f32;
+            right_hand_side[surface.origin(previous(h)) as usize][0] -= ((turns[h as usize] - open) / 2.0) as f32;
         }
     }
-    let weight = |h: u32| (sectors.cotangent(previous(h)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT) as f32;
-    let Gathered { rows: excess, starts, links } = gather(surface.vertex_count(), |v, links| {
+    let weight = |h: u32| sectors.edge_weight(h) as f32;
+    let problem = Problem::new(right_hand_side, |v, links| {
         let own = links.len();
         let mut add = |neighbour: u32, weight: f32| match links[own..].iter_mut().find(|l| l.neighbour == neighbour) {
             Some(link) => link.weight[0] += weight,
@@ -110,12 +111,9 @@ fn equations(surface: &Surface, field: &Field) -> Hierarchy {
             add(surface.target(corner), weight(corner));
             add(surface.origin(previous(corner)), weight(previous(corner)));
         }
-        Excess::default()
+        Terms::default()
     });
-    let levels = coarsen(Level::new(&excess, &starts, links, pulls), excess);
-    let start = levels.len() - 1;
-    let crosses = vec![[0.0, 0.0]; levels[start].len()];
-    Hierarchy { levels, start, crosses, pace: Pace { descents: 8, flows: 0, last_flows: 0 } }
+    Hierarchy::linear(problem, ITERATIONS)
 }
 
 #[cfg(test)]

@@ -70,8 +70,8 @@ pub use row_ends::RowEnds;
 pub use transitions::Transition;
 use transitions::turning;
 
-use crate::compute::{Backend, ComputeError};
-use crate::field::{Complex, Field, MIRRORED, Sectors};
+use crate::compute::{Backend, Complex, ComputeError, MIRRORED};
+use crate::field::{Field, Sectors};
 use crate::surface::{Surface, next};
 use equations::Graph;
 use rustc_hash::FxHashSet;
@@ -139,7 +139,7 @@ impl<'a> Parametrization<'a> {
         let (unknowns, fixed) = equations::unknowns(surface, field.sectors(), &loose, &trimmed);
         let (sectors, stiffness) = (field.sectors(), Vec::new());
         let graph = Graph { surface, sectors, ways: &ways, unknowns: &unknowns, fixed: &fixed, stiffness: &stiffness };
-        let values = backend.smooth(&equations::equations(&graph))?;
+        let values = equations::equations(&graph)?.solve(backend)?;
         let places = unknowns.iter().map(|pair| pair.map(|unknown| turns(&values, unknown))).collect();
         let mut phases = Self { field, ways, places, jumps: Vec::new(), unknowns, fixed, loose, trimmed, stiffness };
         phases.jumps = phases.nearest_jumps(surface);
@@ -179,7 +179,7 @@ impl<'a> Parametrization<'a> {
 
     /// Solves for the coordinates again, the jumps being kept.
     fn settle(&mut self, surface: &Surface, cones: &[Cone], backend: &dyn Backend) -> Result<(), ComputeError> {
-        let values = backend.smooth(&equations::offsets(surface, self, cones))?;
+        let values = equations::offsets(surface, self, cones).solve(backend)?;
         for (place, pair) in self.places.iter_mut().zip(&self.unknowns) {
             for k in 0..2 {
                 let offset = f64::from(values[(pair[k] & !MIRRORED) as usize][1]);

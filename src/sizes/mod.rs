@@ -20,7 +20,8 @@ mod wanted;
 pub use file::{SizeFileError, SizeSample, read_sizes};
 pub use wanted::SizeOptions;
 
-use crate::surface::{NONE, Surface, shares};
+use crate::geometry::barycentric;
+use crate::surface::{NONE, Surface};
 use glam::Vec3;
 pub(crate) use growth::Growth;
 use std::iter::zip;
@@ -124,7 +125,7 @@ impl Sizes {
             return 1.0;
         }
         let [a, b, c] = surface.triangles[triangle as usize].map(|v| self.at_vertex(v));
-        let [to_b, to_c] = shares(surface.corners(triangle as usize), position);
+        let [to_b, to_c] = barycentric(surface.corners(triangle as usize), position);
         a + (b - a) * to_b + (c - a) * to_c
     }
 

@@ -29,7 +29,7 @@ pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use features::{Curve, FeatureOptions, Features};
 pub use regions::Regions;
 pub use repairs::{Repair, Repairs};
-pub(crate) use walk::{WALK_EDGES, next_corner, previous_corner, walk};
+pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
 
 use crate::geometry::{cross, dot, unit};
 use adjacency::Adjacency;
@@ -349,16 +349,6 @@ impl Surface {
 pub(crate) struct SurfacePoint {
     pub triangle: u32,
     pub position: Vec3,
-}
-
-/// How far a point of a triangle is towards its second and third corner, in shares of the way from the first.
-pub(crate) fn shares([a, b, c]: [Vec3; 3], position: Vec3) -> [f32; 2] {
-    let double_area = cross(b - a, c - a);
-    let normal = unit(double_area);
-    let total = dot(double_area, normal);
-    let to_b = (-dot(cross(c - a, position - a), normal) / total).clamp(0.0, 1.0);
-    let to_c = (dot(cross(b - a, position - a), normal) / total).clamp(0.0, 1.0);
-    [to_b, to_c]
 }
 
 /// The half-edge after this one in its triangle.

@@ -10,6 +10,30 @@ use glam::Vec3;
 /// Edges that one walk may cross; a displacement over more small triangles than that ends early.
 pub(crate) const WALK_EDGES: u32 = 256;
 
+/// Triangles that can be walked on.
+pub(crate) trait Walkable {
+    fn corners(&self, triangle: usize) -> [Vec3; 3];
+
+    /// The opposite half-edge; [`NONE`] where it may not be crossed.
+    fn beyond(&self, half_edge: u32) -> u32;
+}
+
+/// A surface of which some half-edges may not be crossed.
+struct Barred<'a, F> {
+    surface: &'a Surface,
+    barrier: F,
+}
+
+impl<F: Fn(u32) -> bool> Walkable for Barred<'_, F> {
+    fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.surface.corners(triangle)
+    }
+
+    fn beyond(&self, half_edge: u32) -> u32 {
+        if (self.barrier)(half_edge) { NONE } else { self.surface.twins[half_edge as usize] }
+    }
+}
+
 /// Walks from `position` in `triangle` by `displacement`, at most over `edges` edges.
 ///
 /// `barrier(h)` tells whether half-edge `h` may not be crossed; boundary half-edges never are.
@@ -21,13 +45,24 @@ pub(crate) fn walk(
     displacement: Vec3,
     edges: u32,
 ) -> SurfacePoint {
+    walk_on(&Barred { surface, barrier }, triangle, position, displacement, edges)
+}
+
+/// As [`walk`].
+pub(crate) fn walk_on(
+    triangles: &impl Walkable,
+    triangle: u32,
+    position: Vec3,
+    displacement: Vec3,
+    edges: u32,
+) -> SurfacePoint {
     let mut t = triangle;
     let mut p = position;
     let mut heading = displacement;
     let mut left = 1.0f32;
     let mut entered = NONE;
     for _ in 0..edges {
-        let corners = surface.corners(t as usize);
+        let corners = triangles.corners(t as usize);
         let normal = unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
         let step = heading * left;
         // The first edge that the rest of the way leaves the triangle by.
@@ -56,8 +91,8 @@ pub(crate) fn walk(
         let k = exit as usize % 3;
         let along = unit(corners[(k + 1) % 3] - corners[k]);
         let forward = dot(heading, along);
-        let twin = surface.twins[exit as usize];
-        if twin == NONE || barrier(exit) {
+        let twin = triangles.beyond(exit);
+        if twin == NONE {
             heading = along * forward;
             entered = exit;
             continue;
@@ -65,12 +100,12 @@ pub(crate) fn walk(
         let across = -dot(heading, cross(normal, along));
         t = twin / 3;
         entered = twin;
-        let beyond = surface.corners(t as usize);
+        let beyond = triangles.corners(t as usize);
         let beyond_normal = unit(cross(beyond[1] - beyond[0], beyond[2] - beyond[0]));
         // Seen from the other side the edge runs backwards, so its inward normal is that of `-along`.
         heading = along * forward + cross(along, beyond_normal) * across;
     }
-    let corners = surface.corners(t as usize);
+    let corners = triangles.corners(t as usize);
     let normal = unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
     SurfacePoint { triangle: t, position: onto_plane(p, corners[0], normal) }
 }

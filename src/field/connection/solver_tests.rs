@@ -1,17 +1,26 @@
+//! The solution of the field's equations.
+
 use super::*;
-use crate::field::guides::Pull;
-use crate::field::{Sectors, guides};
+use crate::compute::cpu::{CpuMultigrid, applied, product, remainder, stepped};
+use crate::compute::{ComputeError, Cpu, Level, Multigrid};
+use crate::field::constraints;
+use crate::solver::{Hierarchy, ITERATIONS, SWEEP_STEP, cycle, solve};
 use crate::surface::examples::Example;
-use crate::surface::{FeatureOptions, Soup, Surface};
+use crate::surface::{FeatureOptions, Soup};
 
 fn surface(soup: &Soup) -> Surface {
     Surface::new(soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// The hierarchy of the equations under these constraints.
+fn hierarchy(surface: &Surface, sectors: &Sectors, constraints: &[Constraint]) -> Hierarchy {
+    Hierarchy::directions(problem(surface, sectors, constraints), 10).expect("the CPU does not fail")
+}
+
 fn example(name: &str, triangles: usize) -> Hierarchy {
     let surface = surface(&name.parse::<Example>().expect("an example's name").generate(triangles));
     let sectors = Sectors::new(&surface);
-    Hierarchy::new(&surface, &sectors, &guides::pulls(&surface, &sectors, &[]))
+    hierarchy(&surface, &sectors, &constraints::combined(&surface, &sectors, &[]))
 }
 
 /// How far squares are turned about z, so that no edge has a round angle.
@@ -45,19 +54,19 @@ fn off_in_square(side: u32, degrees: f64, wanted: impl Fn(f64) -> f64) -> f64 {
         let x = from[0] * TURN.cos() + from[1] * TURN.sin();
         (x / f64::from(side), (to[1] - from[1]).atan2(to[0] - from[0]) - TURN)
     };
-    let pulls: Vec<Pull> = (0..sectors.count())
+    let constraints: Vec<Constraint> = (0..sectors.count())
         .map(|sector| {
             let (x, axis) = place(sector);
             let angle = match x {
                 x if x < 1e-4 => 0.0,
                 x if x > 1.0 - 1e-4 => degrees.to_radians(),
-                _ => return Pull::none(),
+                _ => return Constraint::none(),
             };
             let (s, c) = (4.0 * (angle - axis)).sin_cos();
-            Pull::fixed([c as f32, s as f32])
+            Constraint::fixed([c as f32, s as f32])
         })
         .collect();
-    let crosses = smooth(&Hierarchy::new(&surface, &sectors, &pulls));
+    let crosses = hierarchy(&surface, &sectors, &constraints).solve(&Cpu).expect("the CPU does not fail");
     let off = |sector: usize| {
         let (x, axis) = place(sector);
         let angle = f64::from(crosses[sector][1]).atan2(f64::from(crosses[sector][0])) / 4.0 + axis;
@@ -104,11 +113,11 @@ fn scattered(level: &Level, mut state: u32) -> Vec<Complex> {
 fn a_cycle_is_a_symmetric_map() {
     let hierarchy = example("m6", 20_000);
     let level = &hierarchy.levels[0];
-    let mut work = Work::new(&hierarchy.levels);
-    let mut map = |residual: &[Complex]| {
-        work.states[0].residual = residual.to_vec();
-        let Ok(()) = cycle(&mut work, 0, hierarchy.levels.len());
-        work.states[0].correction.clone()
+    let map = |residual: &[Complex]| {
+        let mut multigrid = at_start(&hierarchy.levels);
+        multigrid.states[0].residual = residual.to_vec();
+        cycle(&mut multigrid, 0, hierarchy.levels.len()).expect("the CPU does not fail");
+        multigrid.states[0].correction.clone()
     };
     let (u, v) = (scattered(level, 1), scattered(level, 2));
     let (to_u, to_v) = (map(&u), map(&v));
@@ -134,9 +143,14 @@ fn products_are_trees_of_blocks() {
     assert_ne!(product(&a[..900], &a[..900]), before);
 }
 
+/// Fixed values on all levels.
+fn at_start(levels: &[Level]) -> CpuMultigrid<'_> {
+    CpuMultigrid::new(levels, 0, &levels[0].fixed_values())
+}
+
 /// Counts the rows' worth of links that steps read, in sweeps of the finest level.
 struct Counted<'a> {
-    work: Work<'a>,
+    work: CpuMultigrid<'a>,
     sweeps: f64,
 }
 
@@ -146,50 +160,52 @@ impl Counted<'_> {
     }
 }
 
-impl Steps for Counted<'_> {
-    type Error = Infallible;
-
-    fn prolong(&mut self, depth: usize) -> Result<(), Infallible> {
+impl Multigrid for Counted<'_> {
+    fn prolong(&mut self, depth: usize) -> Result<(), ComputeError> {
         self.work.prolong(depth)
     }
 
-    fn begin(&mut self, depth: usize) -> Result<(), Infallible> {
+    fn residual(&mut self, depth: usize) -> Result<(), ComputeError> {
         self.count(depth);
-        self.work.begin(depth)
+        self.work.residual(depth)
     }
 
-    fn first_sweep(&mut self, depth: usize, step: f32) -> Result<(), Infallible> {
+    fn first_sweep(&mut self, depth: usize, step: f32) -> Result<(), ComputeError> {
         self.work.first_sweep(depth, step)
     }
 
-    fn sweep(&mut self, depth: usize, step: f32) -> Result<(), Infallible> {
+    fn sweep(&mut self, depth: usize, step: f32) -> Result<(), ComputeError> {
         self.count(depth);
         self.work.sweep(depth, step)
     }
 
-    fn restrict(&mut self, depth: usize) -> Result<(), Infallible> {
+    fn restrict(&mut self, depth: usize) -> Result<(), ComputeError> {
         self.count(depth);
         self.work.restrict(depth)
     }
 
-    fn correct(&mut self, depth: usize) -> Result<(), Infallible> {
+    fn correct(&mut self, depth: usize) -> Result<(), ComputeError> {
         self.work.correct(depth)
     }
 
-    fn descend(&mut self, depth: usize, number: u32) -> Result<(), Infallible> {
+    fn descend(&mut self, depth: usize, number: u32) -> Result<(), ComputeError> {
         self.count(depth);
         self.work.descend(depth, number)
     }
 
-    fn flow(&mut self, depth: usize, step: f32) -> Result<(), Infallible> {
+    fn normalised_sweep(&mut self, depth: usize, step: f32) -> Result<(), ComputeError> {
         self.count(depth);
-        self.work.flow(depth, step)
+        self.work.normalised_sweep(depth, step)
+    }
+
+    fn values(&mut self, depth: usize) -> Result<Vec<Complex>, ComputeError> {
+        self.work.values(depth)
     }
 }
 
-/// The energy of `crosses` above that of the solution.
-fn excess(level: &Level, crosses: &[Complex], solution: &[Complex]) -> f64 {
-    let off: Vec<Complex> = crosses.iter().zip(solution).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
+/// The energy of `values` above that of the solution.
+fn excess(level: &Level, values: &[Complex], solution: &[Complex]) -> f64 {
+    let off: Vec<Complex> = values.iter().zip(solution).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
     let term = |i: usize| {
         let image = applied(level, &off, i);
         f64::from(off[i][0]) * f64::from(image[0]) + f64::from(off[i][1]) * f64::from(image[1])
@@ -197,40 +213,43 @@ fn excess(level: &Level, crosses: &[Complex], solution: &[Complex]) -> f64 {
     (0..level.len()).into_par_iter().map(term).sum::<f64>() / 2.0
 }
 
-/// The linear problem's energy above its least, in shares of that of crosses that are zero where nothing fixes them, after
+/// The linear problem's energy above its least, in shares of that of values that are zero where nothing fixes them, after
 /// so many sweeps' work: with the hierarchy, and by sweeps alone.
 fn convergence(levels: &[Level], cycles: u32, sweeps: &[u32]) -> (Vec<(f64, f64)>, Vec<f64>) {
     let (level, count) = (&levels[0], levels.len());
     let solution = {
-        let mut work = Work::new(levels);
-        for _ in 0..3 {
-            let Ok(()) = solve(&mut work, 0, count, 20);
-        }
-        work.states.swap_remove(0).crosses
+        let mut multigrid = at_start(levels);
+        (0..3).try_for_each(|_| solve(&mut multigrid, 0, count, 20)).expect("the CPU does not fail");
+        multigrid.states.swap_remove(0).values
     };
-    let whole = excess(level, &level.fixed_crosses(), &solution);
-    let share = |crosses: &[Complex]| excess(level, crosses, &solution) / whole;
+    let whole = excess(level, &level.fixed_values(), &solution);
+    let share = |values: &[Complex]| excess(level, values, &solution) / whole;
 
-    let mut counted = Counted { work: Work::new(levels), sweeps: 0.0 };
-    for depth in (1..count).rev() {
-        let Ok(()) = solve(&mut counted, depth, count, DESCENTS);
-        let Ok(()) = counted.prolong(depth - 1);
-    }
-    let Ok(()) = counted.begin(0);
-    let mut with = vec![(counted.sweeps, share(&counted.work.states[0].crosses))];
-    for number in 0..cycles {
-        let Ok(()) = cycle(&mut counted, 0, count);
-        let Ok(()) = counted.descend(0, number);
-        with.push((counted.sweeps, share(&counted.work.states[0].crosses)));
-    }
+    let mut counted = Counted { work: at_start(levels), sweeps: 0.0 };
+    let mut with = Vec::new();
+    let mut run = || {
+        for depth in (1..count).rev() {
+            solve(&mut counted, depth, count, ITERATIONS)?;
+            counted.prolong(depth - 1)?;
+        }
+        counted.residual(0)?;
+        with.push((counted.sweeps, share(&counted.work.states[0].values)));
+        (0..cycles).try_for_each(|number| {
+            cycle(&mut counted, 0, count)?;
+            counted.descend(0, number)?;
+            with.push((counted.sweeps, share(&counted.work.states[0].values)));
+            Ok::<_, ComputeError>(())
+        })
+    };
+    run().expect("the CPU does not fail");
 
-    let mut alone = level.fixed_crosses();
-    let mut spare = alone.clone();
+    let mut alone = level.fixed_values();
     let mut done = 0;
     let without = sweeps.iter().map(|&sweep| {
         for _ in done..sweep {
-            each(&mut spare, |i| stepped(alone[i], level, left(level.pulls[i], level, &alone, i), i, UNIT_STEP));
-            std::mem::swap(&mut alone, &mut spare);
+            let residual = |i| remainder(level.right_hand_side[i], level, &alone, i);
+            let swept = |i| stepped(alone[i], level, residual(i), i, SWEEP_STEP);
+            alone = (0..level.len()).into_par_iter().with_min_len(2048).map(swept).collect();
         }
         done = sweep;
         share(&alone)
@@ -238,19 +257,19 @@ fn convergence(levels: &[Level], cycles: u32, sweeps: &[u32]) -> (Vec<(f64, f64)
     (with, without.collect())
 }
 
-/// The levels without anchors: the linear problem alone.
+/// The levels without masses: the linear problem alone.
 fn linear(mut levels: Vec<Level>) -> Vec<Level> {
     for row in levels.iter_mut().flat_map(|level| &mut level.rows) {
-        row.diagonal -= row.anchor;
-        row.anchor = 0.0;
+        row.diagonal -= row.mass;
+        row.mass = 0.0;
     }
     levels
 }
 
 #[test]
 fn the_hierarchy_converges_where_sweeps_do_not() {
-    let (with, without) = convergence(&linear(example("m6", 30_000).levels), DESCENTS, &[200]);
-    let (work, left) = with[DESCENTS as usize];
+    let (with, without) = convergence(&linear(example("m6", 30_000).levels), ITERATIONS, &[200]);
+    let (work, left) = with[ITERATIONS as usize];
     println!("{left:.1e} after {work:.0} sweeps, {:.1e} after 200 without hierarchy", without[0]);
     assert!(left < 1e-4 && work < 200.0, "{with:?}");
     assert!(without[0] > 100.0 * left, "{without:?}");

@@ -1,6 +1,10 @@
+//! The hierarchy of the field's equations.
+
 use super::*;
-use crate::field::guides;
-use crate::field::smooth::{Steps, Work};
+use crate::compute::cpu::CpuMultigrid;
+use crate::compute::{Level, Multigrid, modulus};
+use crate::field::constraints;
+use crate::solver::Hierarchy;
 use crate::surface::FeatureOptions;
 use crate::surface::examples::Example;
 
@@ -10,8 +14,8 @@ fn multiply(a: Complex, b: Complex) -> Complex {
 
 fn hierarchy_of(surface: &Surface) -> (Sectors, Hierarchy) {
     let sectors = Sectors::new(surface);
-    let pulls = guides::pulls(surface, &sectors, &[]);
-    let hierarchy = Hierarchy::new(surface, &sectors, &pulls);
+    let problem = problem(surface, &sectors, &constraints::combined(surface, &sectors, &[]));
+    let hierarchy = Hierarchy::directions(problem, 10).expect("the CPU does not fail");
     (sectors, hierarchy)
 }
 
@@ -31,19 +35,19 @@ fn faults(level: &Level) -> Vec<String> {
     for i in 0..level.len() {
         let links = level.links_of(i);
         let moduli: f32 = links.iter().map(|link| modulus(link.weight)).sum();
-        let (diagonal, pull) = (level.rows[i].diagonal, modulus(level.pulls[i]));
+        let (diagonal, constraint) = (level.rows[i].diagonal, modulus(level.right_hand_side[i]));
         if level.is_fixed(i) {
-            if (pull - 1.0).abs() > 1e-6 {
-                faults.push(format!("unknown {i} is fixed to {pull}"));
+            if (constraint - 1.0).abs() > 1e-6 {
+                faults.push(format!("unknown {i} is fixed to {constraint}"));
             }
-        } else if moduli + pull > diagonal * (1.0 + 1e-6) {
+        } else if moduli + constraint > diagonal * (1.0 + 1e-6) {
             // A dozen roundings.
-            faults.push(format!("row {i} sums to {}, its diagonal is {diagonal}", moduli + pull));
+            faults.push(format!("row {i} sums to {}, its diagonal is {diagonal}", moduli + constraint));
         }
         for link in links {
             let j = link.index();
             let back = level.links_of(j).iter().filter(|back| back.neighbour == i as u32);
-            let off = |z: Complex| modulus(sum(conjugate(z), link.weight.map(|x| -x)));
+            let off = |z: Complex| modulus(add(conjugate(z), link.weight.map(|x| -x)));
             // Both ends add up the same numbers in other orders.
             if back.map(|back| off(back.weight)).fold(f32::INFINITY, f32::min) > 1e-5 * modulus(link.weight).max(1.0) {
                 faults.push(format!("the link from {i} to {j} is another one back"));
@@ -64,23 +68,23 @@ fn every_level_is_a_mean_and_smaller_than_the_one_before() {
         for pair in hierarchy.levels.windows(2) {
             let [fine, coarse] = pair else { unreachable!("windows of two") };
             assert!(coarse.len() * 10 < fine.len() * 9, "{name}: {} after {}", coarse.len(), fine.len());
-            assert_eq!(fine.family_count(), coarse.len(), "{name}");
+            assert_eq!(fine.aggregate_count(), coarse.len(), "{name}");
             assert!(
                 fine.parents.iter().all(|turn| (modulus(turn.weight) - 1.0).abs() < 1e-5),
                 "{name}: turns only turn"
             );
             let mut seen = vec![false; fine.len()];
-            for family in 0..coarse.len() {
-                assert!(!fine.members_of(family).is_empty(), "{name}: an unknown without members");
-                for &member in fine.members_of(family) {
-                    assert_eq!(fine.parents[member as usize].neighbour, family as u32, "{name}");
+            for aggregate in 0..coarse.len() {
+                assert!(!fine.members_of(aggregate).is_empty(), "{name}: an unknown without members");
+                for &member in fine.members_of(aggregate) {
+                    assert_eq!(fine.parents[member as usize].neighbour, aggregate as u32, "{name}");
                     assert!(!std::mem::replace(&mut seen[member as usize], true), "{name}: a member twice");
-                    assert_eq!(fine.is_fixed(member as usize), coarse.is_fixed(family), "{name}: kinds are mixed");
+                    assert_eq!(fine.is_fixed(member as usize), coarse.is_fixed(aggregate), "{name}: kinds are mixed");
                 }
             }
             assert!(seen.iter().all(|&seen| seen), "{name}: an unknown without parent");
         }
-        assert!(hierarchy.levels.last().is_some_and(|last| last.parents.is_empty() && last.family_count() == 0));
+        assert!(hierarchy.levels.last().is_some_and(|last| last.parents.is_empty() && last.aggregate_count() == 0));
     }
 }
 
@@ -91,7 +95,7 @@ fn a_heavy_row_a_short_fixed_cross_and_a_one_sided_link_are_seen() {
     let fixed = (0..level.len()).find(|&i| level.is_fixed(i)).expect("a fixed unknown");
     level.rows[free].diagonal *= 0.9;
     assert_eq!(faults(&level).len(), 1);
-    level.pulls[fixed] = level.pulls[fixed].map(|x| x * 0.9);
+    level.right_hand_side[fixed] = level.right_hand_side[fixed].map(|x| x * 0.9);
     assert_eq!(faults(&level).len(), 2);
     let link = level.rows[free].start as usize;
     level.links[link].weight = conjugate(level.links[link].weight).map(|x| x * 1.01);
@@ -104,7 +108,7 @@ fn constraints_live_on_every_level() {
         let fixed = (0..level.len()).filter(|&i| level.is_fixed(i)).count();
         assert!(fixed > 0 && fixed < level.len());
     }
-    assert!(hierarchy("sphere", 4_000).levels.iter().all(|l| l.pulls.iter().all(|&p| p == [0.0, 0.0])));
+    assert!(hierarchy("sphere", 4_000).levels.iter().all(|l| l.right_hand_side.iter().all(|&b| b == [0.0, 0.0])));
 }
 
 #[test]
@@ -138,11 +142,12 @@ fn a_constant_field_on_a_rectangle_solves_every_level() {
         a.iter().zip(b).map(|(a, b)| modulus([a[0] - b[0], a[1] - b[1]])).fold(0.0, f32::max)
     };
     for (depth, level) in hierarchy.levels.iter().enumerate() {
-        let mut work = Work::new(&hierarchy.levels);
-        let mut swept = |values: &[Complex]| {
-            work.states[depth].crosses = values.to_vec();
-            let Ok(()) = work.flow(depth, 1.0);
-            work.states[depth].crosses.clone()
+        let swept = |values: &[Complex]| {
+            let mut multigrid = CpuMultigrid::new(&hierarchy.levels, depth, values);
+            multigrid
+                .normalised_sweep(depth, 1.0)
+                .and_then(|()| multigrid.values(depth))
+                .expect("the CPU does not fail")
         };
         // Some twenty products of rounded unit numbers a level.
         assert!(far(&swept(&values), &values) < 1e-5, "level {depth}: {}", far(&swept(&values), &values));
@@ -150,7 +155,7 @@ fn a_constant_field_on_a_rectangle_solves_every_level() {
         let free = (0..level.len()).find(|&i| !level.is_fixed(i)).expect("a free unknown");
         other[free] = other[free].map(|x| -x);
         assert!(far(&swept(&other), &other) > 0.1, "level {depth}: a cross that is not the mean");
-        let mut first = vec![[0.0, 0.0]; level.family_count()];
+        let mut first = vec![[0.0, 0.0]; level.aggregate_count()];
         for (parent, &value) in level.parents.iter().zip(&values).rev() {
             first[parent.index()] = multiply(conjugate(parent.weight), value);
         }

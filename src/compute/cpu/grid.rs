@@ -11,6 +11,7 @@
 //! `shaders/grid.wgsl` is the same on the GPU, and both give the same integers. The cell size should be slightly
 //! more than the radius searched: two points exactly a cell apart may, by rounding, end up two cells apart.
 
+use crate::compute::bucket_count;
 use rayon::prelude::*;
 
 /// Cells lie within this many of the origin on each axis: past it an `f32` has no fraction left.
@@ -83,11 +84,6 @@ impl Grid {
             }
         }
     }
-}
-
-/// The number of buckets for this many points: a power of two, at least a block of the GPU's scan.
-pub(crate) fn bucket_count(points: usize) -> u32 {
-    (2 * points).next_power_of_two().max(256) as u32
 }
 
 fn cell_of(position: [f32; 3], per_unit: f32) -> [i32; 3] {

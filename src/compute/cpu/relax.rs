@@ -10,19 +10,15 @@
 //! Where the surface bends between two tiles, the chord between them is stretched to the arc that it spans.
 //! A tile looks at those of its neighbour list alone, which is made anew every few steps.
 
-use super::Tile;
-use super::neighbours::{self, SKIN};
-use crate::field::{Field, axis_at};
-use crate::geometry::{cross, dot, unit};
-use crate::sizes::Sizes;
-use crate::surface::{NONE, Surface, WALK_EDGES, walk};
+use super::neighbours;
+use crate::compute::{LIST_STEPS, REACH, Relaxation, RelaxationSurface, Tile};
+use crate::geometry::{axis_at, barycentric, cross, dot, unit};
+use crate::surface::{NONE, WALK_EDGES, Walkable, walk_on};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Tiles whose normals differ by more than the angle of this cosine do not see each other.
 pub const LEAST_COSINE: f32 = 0.2;
-/// Tiles further apart than this, in tile sides, do not see each other.
-pub const REACH: f32 = 1.75;
 /// Tiles further off each other's plane than this, in tile sides, lie on different sheets.
 pub const SHEET: f32 = 0.6;
 /// The share of the way to its place that a tile moves in a step.
@@ -32,45 +28,21 @@ pub const DIAGONAL: f32 = 0.5;
 /// The first terms of the series of `arcsin(s) / s` in `s^2`: 1/6, 3/40, 15/336.
 const ARC: [f32; 3] = [0.16666667, 0.075, 0.04464286];
 
-/// A batch of relaxation steps.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Relaxation {
-    /// How many steps.
-    pub steps: u32,
-    /// The side of the grid's cells, in unit-sized coordinates: more than the reach of the largest tile.
-    pub cell: f32,
-    /// The scale of the tiles' sizes: their side where the relative size is 1.
-    pub scale: f32,
-}
-
-impl Relaxation {
-    /// Steps for tiles of these sizes at this scale.
-    pub fn new(steps: u32, scale: f32, sizes: &Sizes) -> Self {
-        Self { steps, cell: cell(scale * sizes.largest()), scale }
-    }
-}
-
-/// The side of the grid's cells for tiles of side at most `h`: a little more than their lists reach, so that rounding
-/// puts no neighbour two cells away.
-pub(super) fn cell(h: f32) -> f32 {
-    1.001 * (REACH + SKIN) * h
-}
-
 /// Takes a batch of steps on the CPU.
-pub fn relax(surface: &Surface, field: &Field, tiles: &[Tile], relaxation: &Relaxation) -> Vec<Tile> {
+pub fn relax(surface: &RelaxationSurface, tiles: &[Tile], relaxation: &Relaxation) -> Vec<Tile> {
     let mut tiles = tiles.to_vec();
     let mut lists = Vec::new();
     for step in 0..relaxation.steps {
-        if step.is_multiple_of(neighbours::STEPS) {
+        if step.is_multiple_of(LIST_STEPS) {
             lists = neighbours::lists(&tiles, relaxation.cell);
         }
-        let moved = |id: usize| moved(surface, field, &tiles, &lists[id], id as u32, relaxation.scale);
+        let moved = |id: usize| moved(surface, &tiles, &lists[id], id as u32, relaxation.scale);
         tiles = (0..tiles.len()).into_par_iter().with_min_len(256).map(moved).collect();
     }
     tiles
 }
 
-fn moved(surface: &Surface, field: &Field, tiles: &[Tile], list: &[u32], id: u32, scale: f32) -> Tile {
+fn moved(surface: &RelaxationSurface, tiles: &[Tile], list: &[u32], id: u32, scale: f32) -> Tile {
     let tile = tiles[id as usize];
     if tile.quarters > 0 {
         return tile;
@@ -87,17 +59,36 @@ fn moved(surface: &Surface, field: &Field, tiles: &[Tile], list: &[u32], id: u32
     let normal = tile.normal();
     let step = pull * (STEP / weight.max(2.0));
     let step = step - normal * dot(normal, step);
-    let barrier = |h| surface.features().is_feature(h);
-    let foot = walk(surface, barrier, tile.triangle, tile.at(), step, WALK_EDGES);
-    let corners = surface.corners(foot.triangle as usize);
+    let end = walk_on(surface, tile.triangle, tile.at(), step, WALK_EDGES);
+    let corners = surface.corners(end.triangle as usize);
+    let to_corners = barycentric(corners, end.position);
     Tile {
-        position: foot.position.into(),
-        h: scale * field.sizes().at(surface, foot.triangle, foot.position),
+        position: end.position.into(),
+        h: scale * size_at(surface, end.triangle, to_corners),
         normal: unit(cross(corners[1] - corners[0], corners[2] - corners[0])).into(),
-        triangle: foot.triangle,
-        axis: axis_at(corners, field.in_triangles()[foot.triangle as usize], foot.position).into(),
+        triangle: end.triangle,
+        axis: axis_at(corners, surface.crosses[end.triangle as usize], to_corners).into(),
         ..tile
     }
+}
+
+impl Walkable for RelaxationSurface {
+    fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.triangles[triangle].corners.map(|v| {
+            let [x, y, z, _] = self.points[v as usize];
+            Vec3::new(x, y, z)
+        })
+    }
+
+    fn beyond(&self, half_edge: u32) -> u32 {
+        self.triangles[half_edge as usize / 3].beyond[half_edge as usize % 3]
+    }
+}
+
+/// The relative size of tiles at a point of a triangle.
+fn size_at(surface: &RelaxationSurface, triangle: u32, [to_b, to_c]: [f32; 2]) -> f32 {
+    let [a, b, c] = surface.triangles[triangle as usize].corners.map(|v| surface.points[v as usize][3]);
+    a + (b - a) * to_b + (c - a) * to_c
 }
 
 /// One tile as another sees it.

@@ -9,34 +9,25 @@
 //! made anew every step, every four steps and every eight gave meshes of the same quality (nine models at 6,000 tiles).
 //! Tiles in rows have eight neighbours within reach and skin: the four that are two sides away are past it.
 
-use super::Tile;
 use super::grid::Grid;
-use super::relax::REACH;
+use crate::compute::{LIST_LENGTH, REACH, SKIN, Tile};
 use crate::geometry::dot;
 use crate::surface::NONE;
 use rayon::prelude::*;
 
-/// The steps that lists are used for.
-pub const STEPS: u32 = 8;
-/// How much further than a tile sees its list goes, in tile sides.
-pub const SKIN: f32 = 0.2;
-/// The longest list. Where more tiles are near, as many as that are in it: those that the grid has first. So crowded a
-/// place is the census's to thin.
-pub const SLOTS: usize = 16;
-
 /// For each tile, what the grid has near it, in the grid's order and ended by [`NONE`]. Tiles on features have none.
-pub fn lists(tiles: &[Tile], cell: f32) -> Vec<[u32; SLOTS]> {
+pub fn lists(tiles: &[Tile], cell: f32) -> Vec<[u32; LIST_LENGTH]> {
     let grid = Grid::build(|i| tiles[i].position, tiles.len(), cell);
     (0..tiles.len()).into_par_iter().with_min_len(256).map(|id| list(tiles, &grid, id)).collect()
 }
 
-fn list(tiles: &[Tile], grid: &Grid, id: usize) -> [u32; SLOTS] {
-    let mut list = [NONE; SLOTS];
+fn list(tiles: &[Tile], grid: &Grid, id: usize) -> [u32; LIST_LENGTH] {
+    let mut list = [NONE; LIST_LENGTH];
     let mut length = 0;
     let tile = &tiles[id];
     if tile.quarters == 0 {
         grid.around(tile.position, |other| {
-            if length < SLOTS && other as usize != id && is_near(tile, &tiles[other as usize]) {
+            if length < LIST_LENGTH && other as usize != id && is_near(tile, &tiles[other as usize]) {
                 list[length] = other;
                 length += 1;
             }
