@@ -15,8 +15,8 @@ pub struct Image {
 }
 
 impl Image {
-    /// A picture of nothing.
-    pub(crate) fn blank([width, height]: [u32; 2]) -> Self {
+    /// A picture of nothing, in the colour of paper.
+    pub fn blank([width, height]: [u32; 2]) -> Self {
         Self { width, height, pixels: vec![Colour::PAPER.0; width as usize * height as usize] }
     }
 
