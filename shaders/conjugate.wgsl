@@ -80,7 +80,7 @@ fn ratio() -> f32 {
 
 // changed <- first + ratio changed
 @compute @workgroup_size(WORKGROUP)
-fn turn(
+fn direction(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,

@@ -9,7 +9,7 @@ use crate::mesh::compare::{Comparison, Difference, check_against};
 use crate::mesh::pair::PairCounts;
 use crate::mesh::quality::Quality;
 use crate::mesh::triangulate::Triangulation;
-use crate::mosaic::{Mosaic, fit::Fit};
+use crate::mosaic::{Mosaic, quality::TileQuality};
 use crate::parametrize::RowEnds;
 use crate::pipeline::{Fineness, Options, Outcome};
 use crate::surface::{Repairs, Surface};
@@ -290,7 +290,7 @@ pub struct MosaicReport {
     /// Those of them that lie on features.
     pub on_features: usize,
     /// How well they sit.
-    pub fit: Fit,
+    pub fit: TileQuality,
 }
 
 impl MosaicReport {
@@ -300,7 +300,7 @@ impl MosaicReport {
         options: &Options,
         backend: &dyn Backend,
         (surface, field, mosaic): (&Surface, &Field, &Mosaic),
-        fit: Fit,
+        fit: TileQuality,
     ) -> Self {
         Self {
             version: VERSION,

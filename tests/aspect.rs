@@ -11,7 +11,7 @@ use quadmosaic::gpu::GpuBackend;
 use quadmosaic::mesh::Mesh;
 use quadmosaic::mesh::check::check;
 use quadmosaic::mesh::quality::Quality;
-use quadmosaic::mosaic::fit::Fit;
+use quadmosaic::mosaic::quality::TileQuality;
 use quadmosaic::parametrize::Rows;
 use quadmosaic::pipeline::{Fineness, Options, Outcome, PipelineError, run};
 use quadmosaic::sizes::SizeSample;
@@ -265,7 +265,7 @@ fn a_part_that_no_guide_reaches_has_squares() {
 fn rectangles_cover_the_surface_once() {
     let guide = Guide::vector([1.5, 1.5, 0.0], [1.0, 0.0, 0.0]);
     let made = outcome(&flat(30, 30, 0.1), &options(guide, 4.0, Rows::Paper));
-    let fit = Fit::of(&made.surface, &made.mosaic);
+    let fit = TileQuality::of(&made.surface, &made.mosaic);
     assert!(fit.coverage > 0.97 && fit.overlap < 0.03, "{fit:?}");
     assert!(fit.straightness < 0.5, "{}", fit.straightness);
     let (tiles, _) = tile_mesh(&made.surface, &made.mosaic, 0.2);

@@ -10,7 +10,7 @@ use super::{picture, summary};
 use anyhow::Context;
 use clap::Args;
 use quadmosaic::export::{Shade, tile_mesh, write_mesh_ply, write_obj};
-use quadmosaic::mosaic::fit::Fit;
+use quadmosaic::mosaic::quality::TileQuality;
 use quadmosaic::picture::{Colour, View, mosaic_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, prepare};
 use quadmosaic::report::MosaicReport;
@@ -94,7 +94,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let field = pipeline::field(&surface, sizes, count, &options, &*backend)?;
     let mosaic = pipeline::lay(&surface, &field, &*backend, count, &options, &|_| ())?;
 
-    let fit = Fit::of(&surface, &mosaic);
+    let fit = TileQuality::of(&surface, &mosaic);
     let (mesh, tiles) = tile_mesh(&surface, &mosaic, *grout as f32);
     match output.extension() {
         Some(ending) if ending.eq_ignore_ascii_case("ply") => {

@@ -9,7 +9,7 @@ use super::output::{expect_writable, picture_path};
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use quadmosaic::field::Stretch;
-use quadmosaic::mosaic::fit::Fit;
+use quadmosaic::mosaic::quality::TileQuality;
 use quadmosaic::picture::{Eye, FieldStyle, Paint, Scene, View, field_scene, mesh_scene, mosaic_scene, write_picture};
 use quadmosaic::pipeline::{self, Fineness, Options, prepare};
 use std::fmt;
@@ -152,7 +152,7 @@ impl Arguments {
             Some(Style::Crosses) => field_scene(&surface, &field, FieldStyle::Crosses),
             None => {
                 let mosaic = pipeline::lay(&surface, &field, &*backend, count, &options, &|_| ())?;
-                let fit = matches!(self.colour, Colours::Quality).then(|| Fit::of(&surface, &mosaic));
+                let fit = matches!(self.colour, Colours::Quality).then(|| TileQuality::of(&surface, &mosaic));
                 let fit = fit.as_ref().map(|fit| fit.of_tiles.as_slice());
                 mosaic_scene(&surface, &mosaic, self.grout as f32, fit)
             }

@@ -1,13 +1,10 @@
 //! The user's guides, and the constraints that they make.
 //!
 //! # Practice
-//! A guide without weight fixes the crosses that it reaches. One of weight `w` pulls at them, with `2 pi w` in all, shared
-//! by area, against links whose weights are cotangents and so do not depend on the triangles: as a plate's conductance
-//! between a disc and a ring `e` times as wide is `2 pi` too, a weight of 1 weighs about as much as the surroundings,
-//! whatever the radius and however fine the triangles are. How far that draws the cross at the guide's point of the way
-//! that an exact guide would: on the plate (18 degrees off, radius 0.03) 7 % for 0.1, 28 % for 0.3, 65 % for 1, 90 % for 3,
-//! 99 % for 10; on the wing, between two edges that want other rows (37 degrees, radius 0.1), 4 % for 0.3, 19 % for 1, 75 %
-//! for 3, 98 % for 10.
+//! A guide without weight fixes the crosses that it reaches. One of weight `w` constrains them with `2 pi w` in all, shared by
+//! area, against links whose weights are cotangents and do not depend on the triangles. A plate's conductance between a disc
+//! and a ring `e` times as wide is `2 pi` as well: a weight of 1 is about that of the surroundings, whatever the radius and the
+//! triangles. Its effect in figures: docs/experiments.md, field.
 
 use super::Sectors;
 use super::constraints::{DirectionConstraint, angle_along, sector_area};
@@ -24,7 +21,7 @@ use thiserror::Error;
 
 /// A guide without radius may be this share of the surface's diagonal away from it.
 const TOLERANCE: f64 = 0.02;
-/// Most places along a part of a stroke that are looked at.
+/// The most places along a part of a stroke that are examined.
 const MOST_PLACES: f64 = 10_000.0;
 
 /// The user's wish for the field (the paper's control vectors, section 1): a direction near a point or along a stroke.
@@ -212,8 +209,7 @@ impl<'a> Reach<'a> {
         reach
     }
 
-    /// Reaches the corners of the triangles nearest to a part, looked for in steps of half a triangle; returns these,
-    /// with the part.
+    /// Reaches the corners of the triangles nearest to a part, in steps of half a triangle; returns the triangles with the part.
     fn along(&mut self, triangles: &Triangles, part: usize) -> Vec<(u32, usize)> {
         let Part { start, end, .. } = self.parts[part];
         let way = end - start;
@@ -238,9 +234,9 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// Reaches the vertices within a radius that the surface inside the radius connects to triangles beneath the guide, not
-    /// those on the other side of a thin plate. Nearer triangles come first, and with the part that led to them: so each is
-    /// visited once, however many parts are near.
+    /// Reaches the vertices within a radius that the surface within the radius connects to triangles beneath the guide, not
+    /// those on the other side of a thin plate. Nearer triangles come first, with the part that led to them, so that each is
+    /// visited once.
     fn spread(&mut self, radius: f64, beneath: Vec<(u32, usize)>) {
         let corners = |triangle: u32| 3 * triangle..3 * triangle + 3;
         let entry = |reach: &Self, triangle: u32, part: usize| {

@@ -1,19 +1,19 @@
 //! The cross field: four directions 90 degrees apart at each point of the surface, following features and guides.
 //!
 //! # Theory
-//! A cross is held as `z = (cos 4t, sin 4t)`, `t` its angle against a fixed axis, so that its four directions are one
-//! number. Neighbour `j` is read in `i`'s frame through a unit complex number a link, computed once, and smoothing is
-//! `z_i <- sum_j w_ij r_ij z_j` with cotangent weights: the connection Laplacian of Knöppel et al. 2013 (*Globally
-//! optimal direction fields*), diffused and normalised as in Viertel and Osting 2019.
+//! A cross is the complex number `z = (cos 4t, sin 4t)`, `t` its angle from a fixed axis, so that its four directions are one
+//! number. The smoothest field minimises the energy of the connection Laplacian of Knöppel et al. 2013 (*Globally optimal
+//! direction fields*), diffused and normalised as by Viertel and Osting 2019 (*An approach to quad meshing based on harmonic
+//! cross-valued maps and the Ginzburg-Landau theory*).
 //!
 //! # Changes versus the paper
 //! The paper (section 1) interpolates a vector field from control vectors. Here it is a cross field, and features and
 //! open boundaries guide it too.
 //!
 //! # Practice
-//! The unknowns are not vertices but *sectors*: a vertex on a feature has one a side, so that each side of a crease
-//! follows it on its own. A sector's angles are scaled to sum to 2 pi inside, to pi along a feature and to a multiple
-//! of 90 degrees at a corner, so that rows meet a feature squarely whatever its angle is in space.
+//! The unknowns are not vertices but *sectors*: a vertex on a feature has one on each side, so that each side of a crease follows
+//! it. A sector's angles are scaled to sum to 2 pi inside, to pi along a feature and to a multiple of 90 degrees at a corner, so
+//! that rows meet a feature at right angles whatever its angle in space.
 
 mod align;
 mod connection;
@@ -39,15 +39,15 @@ use crate::solver::{Hierarchy, NORMALISED_SWEEPS};
 use crate::surface::Surface;
 use glam::Vec3;
 
-/// What draws the field beside features.
+/// The constraints of the field beside features.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldOptions {
     /// The user's guides.
     pub guides: Vec<Guide>,
-    /// How the field is drawn to principal directions of curvature where no guide and no feature is. Default `None`: not.
+    /// How the field is aligned with principal directions of curvature where no guide and no feature is. Default `None`: not.
     pub align: Option<Align>,
-    /// Sweeps that normalise crosses at the end: a heat flow of their angle, in which opposite singularities that are near
-    /// each other meet and vanish. Default 10.
+    /// Normalised sweeps at the end: a heat flow of the angle, in which opposite singularities that are near each other meet and
+    /// vanish. Default 10.
     pub sweeps: u32,
 }
 

@@ -1,11 +1,11 @@
-//! Singularities: where the field turns about a point.
+//! Singularities: points around which the field turns.
 //!
 //! # Theory
-//! Round a triangle, what the differences of the crosses along its edges leave of the excess of its scaled angles is a
-//! number of quarter turns: the index, in quarters, of the singularity inside. Angles are scaled so that all curvature lies
-//! in triangles, but for features' corners: there a vertex has a multiple of 90 degrees, and what that leaves of 360 is its
-//! index (of 180, on a boundary). By Poincaré and Hopf all indices add up to the Euler characteristic, on an open surface
-//! too, for the field follows its boundary.
+//! Around a triangle the differences of the crosses along its edges and the excess of its scaled angles sum to a number of
+//! quarter turns: the index, in quarters, of the singularity inside. Angles are scaled so that all curvature lies in triangles,
+//! except at corners of features. There a vertex has a multiple of 90 degrees, and its index is the difference to 360 degrees
+//! (to 180 on a boundary). By Poincaré and Hopf all indices sum to the Euler characteristic, on an open surface too, since the
+//! field follows its boundary.
 
 use super::Sectors;
 use crate::compute::Complex;
@@ -22,19 +22,19 @@ pub enum SingularityLocation {
     Corner(u32),
 }
 
-/// A point that the field turns about.
+/// A point around which the field turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Singularity {
     /// Where it is.
     pub location: SingularityLocation,
     /// The triangle's centre, or the vertex, in unit-sized coordinates.
     pub position: [f64; 3],
-    /// The turn of the field about it, in quarters of a full turn: positive where rows bend round it, as at a cube's corner.
+    /// The turn of the field around it, in quarters of a full turn: positive where rows bend around it, as at a cube's corner.
     pub quarters: i32,
 }
 
 impl Singularity {
-    /// The index: the turn of the field about it, in full turns.
+    /// The index: the turn of the field around it, in full turns.
     pub fn index(&self) -> f64 {
         f64::from(self.quarters) / 4.0
     }

@@ -33,7 +33,7 @@ pub(super) struct ConjugateKernels {
     program: Program,
     multiply: Kernel,
     total: Kernel,
-    turn: Kernel,
+    direction: Kernel,
     advance: Kernel,
     retreat: Kernel,
 }
@@ -103,7 +103,7 @@ impl ConjugateKernels {
         Ok(Self {
             multiply: program.kernel(gpu, "multiply")?,
             total: program.kernel(gpu, "total")?,
-            turn: program.kernel(gpu, "turn")?,
+            direction: program.kernel(gpu, "direction")?,
             advance: program.kernel(gpu, "advance")?,
             retreat: program.kernel(gpu, "retreat")?,
             program,
@@ -111,7 +111,7 @@ impl ConjugateKernels {
     }
 
     /// Makes the correction conjugate to the directions before: the direction of step `number`.
-    pub fn turn(
+    pub fn update_direction(
         &self,
         gpu: &Gpu,
         recording: &mut Recording,
@@ -123,7 +123,7 @@ impl ConjugateKernels {
         self.product(gpu, recording, descent, [residual, correction], number as usize % 2)?;
         let beta = &descent.betas[if number == 0 { 0 } else { 2 - number as usize % 2 }];
         let bindings = self.program.bind(gpu, &[beta, correction, residual, &descent.direction, &descent.sums])?;
-        recording.dispatch(&self.turn, &bindings, descent.count);
+        recording.dispatch(&self.direction, &bindings, descent.count);
         Ok(())
     }
 

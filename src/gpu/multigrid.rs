@@ -216,7 +216,14 @@ impl Multigrid for GpuMultigrid<'_> {
         let level = &self.levels[depth];
         let Some(descent) = &level.descent else { return Ok(()) };
         let (values, correction) = (level.values.present(), level.correction.present());
-        kernels.conjugate.turn(gpu, &mut self.recorder.recording, descent, &level.residual, correction, number)?;
+        kernels.conjugate.update_direction(
+            gpu,
+            &mut self.recorder.recording,
+            descent,
+            &level.residual,
+            correction,
+            number,
+        )?;
         let buffers = [&level.residual, &descent.direction, &descent.image];
         self.recorder.smooth(&kernels.smooth.apply, level, &level.sweeps[0].1, buffers)?;
         kernels.conjugate.advance(gpu, &mut self.recorder.recording, descent, values, &level.residual, number)?;

@@ -322,7 +322,7 @@ impl<'a> Work<'a> {
             |a, b, f, length| match chart {
                 Some(chart) => {
                     let [a, b] = [a, b].map(|v| points[v as usize]);
-                    let parts = chart.parts(surface, home[f as usize]);
+                    let parts = chart.pieces(surface, home[f as usize]);
                     // Across the sides of a cone's parts coordinates are not linear.
                     if parts.len() > 1 {
                         return length;
@@ -390,7 +390,7 @@ fn chart_directions(faces: &mut Intrinsic, surface: &Surface, field: &Field, cha
     let sectors = field.sectors();
     let wrapped = |angle: f64| angle - (angle / TAU).round() * TAU;
     let corner = |h: u32| {
-        let [begin, end] = chart.corner(h);
+        let [begin, end] = chart.corner_directions(h);
         let begin = faces.begin[h as usize] + wrapped(begin - faces.begin[h as usize]);
         let end = faces.end[h as usize] + wrapped(end - faces.end[h as usize]);
         [begin, end]

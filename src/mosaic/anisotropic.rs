@@ -1,7 +1,7 @@
 //! Rectangular tiles, as each other sees them.
 //!
-//! A tile's `h` is the mean of its two sides, as of a square with its area; what it is longer by along its axis, and shorter
-//! across, the mosaic knows.
+//! A tile's `h` is the side of the square with its area. The mosaic holds the factor by which its side along the axis is longer,
+//! and its side across the axis shorter.
 
 use super::Mosaic;
 use crate::compute::Tile;
@@ -9,7 +9,7 @@ use crate::compute::cpu::relax::see;
 use crate::field::Field;
 use crate::surface::Surface;
 
-/// By what the side of each tile along its axis is longer than its mean side; nothing where tiles are squares.
+/// The side of each tile along its axis over its mean side; empty where tiles are squares.
 pub(crate) fn factors(surface: &Surface, field: &Field, tiles: &[Tile]) -> Vec<f32> {
     let Some(stretch) = field.stretch() else { return Vec::new() };
     tiles.iter().map(|tile| stretch.factor(surface, tile.triangle, tile.at(), tile.axis.into())).collect()
@@ -27,8 +27,8 @@ impl Mosaic {
     }
 }
 
-/// Where a tile sees another, along its axis and across, in its sides; `None` where it does not. `factor` is the tile's,
-/// `longest` the largest ratio of a longer side to the mean one.
+/// The place of a tile that another one sees, along its axis and across, in its sides; `None` where it does not see it. `factor`
+/// is that of the seeing tile, `longest` the largest ratio of a longer side to the mean one.
 pub(super) fn see_anisotropic(a: &Tile, factor: f32, b: &Tile, longest: f32) -> Option<[f32; 2]> {
     if longest == 1.0 {
         return Some(see(a, b)?.u);

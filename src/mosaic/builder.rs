@@ -109,7 +109,7 @@ impl Laying<'_> {
         let solved = h * finer as f32;
         let mut parametrization =
             Parametrization::solve(surface, field, sides(surface, field, solved, tilt), rows, backend)?;
-        let row_ends = parametrization.close(surface, rows, finer, backend)?;
+        let row_ends = parametrization.resolve_row_ends(surface, rows, finer, backend)?;
         let is_relaxed = self.relaxation.is_some();
         let h = if is_relaxed { solved } else { h };
         if !is_relaxed {

@@ -1,10 +1,9 @@
-//! Tiles on features: one at each corner, and as many along each feature curve as fit.
+//! Feature samples: one tile at each corner, and as many along each feature curve as fit.
 //!
 //! # Practice
-//! A curve of length `l` holds `round(l / h)` intervals of equal tiles, or the integral of `1 / h` along it; within an edge
-//! they are even. Such a tile is one vertex of the mesh to come, but it
-//! is seen from each side of the feature apart, with that side's normal and the curve's tangent as axis. Where sheets
-//! meet, each has its own tiles, at the same places.
+//! Along a curve of length `l` there are `round(l / h)` intervals of equal tiles, or the integral of `1 / h`; within an edge they
+//! are even. A sample is one vertex of the mesh. It has a tile on each side of the feature, with the normal of that side and the
+//! curve's tangent as axis. Where sheets meet, each has its own samples, at the same places.
 
 use crate::compute::Tile;
 use crate::field::Field;
@@ -35,16 +34,17 @@ pub struct FeatureSample {
     pub same_place: u32,
 }
 
-/// A place nearer to a vertex than this, in tile sides and as a share of its edge, is on the vertex.
+/// A point nearer to a vertex than this, in tile sides and as a share of its edge, is on the vertex.
 const SNAP: f64 = 1e-3;
 
-/// A place further out than a loose end of a feature by less than this, in tile sides, is on it.
+/// A point farther out than a released end of a feature by less than this, in tile sides, is on it.
 const AT_END: f64 = 5e-3;
 
-/// Quarter turns of a corner that no feature passes through: one more than there are, so that all directions lie inside.
+/// Quarter turns of the tile at a corner without features of its own: one more than a full turn, so that all directions lie
+/// inside.
 const ALL_ROUND: u32 = 5;
 
-/// The tiles at the scale `h` on the features, and the sides that they are seen from.
+/// The samples of the features at the scale `h`, and the tiles on their sides.
 pub fn sample_features(
     surface: &Surface,
     field: &Field,
@@ -93,7 +93,7 @@ fn intervals(parameters: &[f64]) -> usize {
     (parameters[parameters.len() - 1] - parameters[0]).round() as usize
 }
 
-/// A parameter along each feature curve, whose whole numbers are the samples.
+/// A parameter along each feature curve, whose integers are the samples.
 #[derive(Clone, Debug, Default)]
 pub struct CurveParameters {
     /// The parameter at each vertex of a curve, by the curve's first edge.
@@ -108,37 +108,39 @@ pub struct CurveParameters {
 
 impl CurveParameters {
     /// Those of a parametrization: samples lie where its rows cross the features.
-    pub fn new(surface: &Surface, field: &Field, phases: &Parametrization) -> Self {
+    pub fn new(surface: &Surface, field: &Field, parametrization: &Parametrization) -> Self {
         let (mut at_vertices, mut ranges) = (FxHashMap::default(), FxHashMap::default());
         let mut released_ends = FxHashSet::default();
         for curve in surface.features().curves() {
             let path = Path::new(surface, field, curve);
-            let ways = path.half_edges.iter().zip(&path.vertices).map(|(&h, &v)| {
-                let [at, step] = phases.along(h);
+            let growth = path.half_edges.iter().zip(&path.vertices).map(|(&h, &v)| {
+                let [at, step] = parametrization.along(h);
                 if surface.origin(h) == v { [at, step] } else { [-at - step, step] }
             });
-            let ways: Vec<[f64; 2]> = ways.collect();
-            let held = path.held(&phases.loose);
-            let mut here = vec![if held[0] { 0.0 } else { ways[0][0] }];
-            ways.iter().for_each(|[_, step]| here.push(here[here.len() - 1] + step));
-            let is_loose = !path.closed && held != [true; 2];
-            let (first, last) = path.untrimmed(&phases.trimmed);
-            if (is_loose || intervals(&here) > 0) && ways[first.min(last)..last].iter().all(|way| way[1] > 0.0) {
-                if is_loose {
-                    let margin = held.map(|held| if held { 0.5 } else { 0.0 });
+            let growth: Vec<[f64; 2]> = growth.collect();
+            let has_sample = path.has_sample(&parametrization.released_ends);
+            let mut here = vec![if has_sample[0] { 0.0 } else { growth[0][0] }];
+            growth.iter().for_each(|[_, step]| here.push(here[here.len() - 1] + step));
+            let has_released_end = !path.closed && has_sample != [true; 2];
+            let (first, last) = path.constrained(&parametrization.released_vertices);
+            if (has_released_end || intervals(&here) > 0)
+                && growth[first.min(last)..last].iter().all(|way| way[1] > 0.0)
+            {
+                if has_released_end {
+                    let margin = has_sample.map(|has_sample| if has_sample { 0.5 } else { 0.0 });
                     let range =
                         if first <= last { [here[first] + margin[0], here[last] - margin[1]] } else { [1.0, 0.0] };
                     ranges.insert(path.key(surface), range);
                 }
-                // Corners are whole, but for roundings.
+                // Corners are integers, but for roundings.
                 let last = here.len() - 1;
                 if path.closed {
                     here[last] = here[0] + intervals(&here) as f64;
-                } else if held[1] {
+                } else if has_sample[1] {
                     here[last] = here[last].round();
                 }
                 at_vertices.entry(path.key(surface)).or_insert(here);
-                released_ends.extend(path.tips().into_iter().filter(|tip| phases.loose.contains(tip)));
+                released_ends.extend(path.tips().into_iter().filter(|tip| parametrization.released_ends.contains(tip)));
             }
         }
         Self { at_vertices, factor: 1, released_ends, ranges }
@@ -202,15 +204,15 @@ impl Path {
     }
 
     /// Whether tiles of their own are at its two ends.
-    fn held(&self, loose: &FxHashSet<u32>) -> [bool; 2] {
-        self.tips().map(|tip| !self.closed && !loose.contains(&tip))
+    fn has_sample(&self, released: &FxHashSet<u32>) -> [bool; 2] {
+        self.tips().map(|tip| !self.closed && !released.contains(&tip))
     }
 
-    /// The first and the last of the vertices between its trimmed ends; none where the first is after the last.
-    fn untrimmed(&self, trimmed: &FxHashSet<u32>) -> (usize, usize) {
-        let is_held = |v: &u32| !trimmed.contains(v);
-        let first = self.vertices.iter().position(is_held).unwrap_or(self.vertices.len());
-        (first, self.vertices.iter().rposition(is_held).unwrap_or(0))
+    /// The first and the last of the vertices between its released ends; none where the first is after the last.
+    fn constrained(&self, released: &FxHashSet<u32>) -> (usize, usize) {
+        let is_constrained = |v: &u32| !released.contains(v);
+        let first = self.vertices.iter().position(is_constrained).unwrap_or(self.vertices.len());
+        (first, self.vertices.iter().rposition(is_constrained).unwrap_or(0))
     }
 
     /// Where it begins and ends, the lower first.
@@ -241,9 +243,9 @@ struct Samples {
 }
 
 impl Samples {
-    fn at_corners(&mut self, surface: &Surface, loose: &FxHashSet<u32>) {
+    fn at_corners(&mut self, surface: &Surface, released: &FxHashSet<u32>) {
         let mut first = FxHashMap::default();
-        for v in surface.features().corners().filter(|v| !loose.contains(v)) {
+        for v in surface.features().corners().filter(|v| !released.contains(v)) {
             let id = self.list.len() as u32;
             self.list.push((FeaturePoint::Vertex(v), *first.entry(surface.same_place(v)).or_insert(id)));
         }

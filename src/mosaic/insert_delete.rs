@@ -1,4 +1,5 @@
-//! Between batches of relaxation: one of two tiles that overlap goes, and a tile comes where a place is empty.
+//! Insertion and deletion between batches of relaxation: of two tiles that overlap one is deleted, and at empty lattice points
+//! tiles are inserted.
 
 use super::Mosaic;
 use super::anisotropic::see_anisotropic;
@@ -12,16 +13,16 @@ use rayon::prelude::*;
 
 /// Two tiles nearer than this along both axes, in tile sides, are one too many.
 pub(super) const CROWDED: f32 = 0.55;
-/// A place is empty where no tile lies within this, in tile sides.
+/// A lattice point is empty where no tile lies within this, in tile sides.
 const EMPTY: f32 = 0.72;
-/// A tile whose normal is turned by more than the angle of this cosine lies on the other side of a thin part. On rough
-/// surfaces normals differ by less than that between tiles that do take each other's place.
+/// Tiles whose normals have a smaller cosine lie on opposite sides of a thin part. On rough surfaces the cosine between tiles at
+/// one lattice point is larger.
 const OTHER_SIDE: f32 = -0.5;
 
-/// Removes tiles where they crowd and adds tiles where there is room, in the order of ids.
+/// Deletes crowded tiles, then inserts tiles at empty lattice points, in the order of ids.
 pub fn insert_and_delete(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Mosaic {
     let mut result = delete_crowded(mosaic, CROWDED);
-    let more = room(surface, field, &result);
+    let more = at_empty_points(surface, field, &result);
     result.tiles.extend(more);
     result
 }
@@ -30,7 +31,7 @@ fn cell_of(tiles: &[Tile]) -> f32 {
     cell(tiles.iter().map(|t| t.h).fold(0.0, f32::max))
 }
 
-/// The mosaic without those tiles that have another within this of them along both axes, in tile sides.
+/// The mosaic without the tiles that have an earlier one within `crowded_within` along both axes, in tile sides.
 pub(super) fn delete_crowded(mosaic: &Mosaic, crowded_within: f32) -> Mosaic {
     let tiles = &mosaic.tiles;
     let longest = mosaic.longest();
@@ -59,7 +60,7 @@ fn chosen_of<T: Copy>(all: &[T], chosen: &[bool]) -> Vec<T> {
     all.iter().zip(chosen).filter(|&(_, chosen)| *chosen).map(|(&one, _)| one).collect()
 }
 
-/// Which are chosen, in order: each that does not meet, of those before it, one that is chosen.
+/// A greedy independent set, in order: each is chosen that meets none of those chosen before it.
 fn chosen(meets: &[Vec<u32>]) -> Vec<bool> {
     let mut chosen = vec![true; meets.len()];
     for (id, others) in meets.iter().enumerate() {
@@ -68,8 +69,8 @@ fn chosen(meets: &[Vec<u32>]) -> Vec<bool> {
     chosen
 }
 
-/// Tiles at the empty places beside the present ones.
-fn room(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Vec<Tile> {
+/// Tiles at the empty lattice points beside the present tiles.
+fn at_empty_points(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Vec<Tile> {
     let tiles = &mosaic.tiles;
     let barrier = |h| surface.features().is_feature(h);
     let grid = Grid::build(|i| tiles[i].position, tiles.len(), cell_of(tiles));
@@ -103,7 +104,7 @@ fn room(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Vec<Tile> {
     chosen_of(&candidates, &chosen(&rivals))
 }
 
-/// The turns of a tile's cross that point into the surface on its side and to a place in the lattice where no tile is.
+/// The turns of a tile's cross that point into the surface on its side and to an empty lattice point.
 fn empty_directions(tile: &Tile, tiles: &[Tile], grid: &Grid) -> impl Iterator<Item = u32> + use<> {
     let mut empty = [true; 4];
     grid.around(tile.position, |other| {

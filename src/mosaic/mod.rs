@@ -1,36 +1,29 @@
 //! The mosaic: equal square tiles in straight rows, on features, at the asked count.
 //!
 //! # Theory
-//! After Lai, Hu and Martin's surface mosaics (the paper's references 1 and 2): square tiles of one size are laid over
-//! the surface, turned along the cross field, and relaxed by a repulsion that is square as they are.
+//! After Lai, Hu and Martin's surface mosaics (the paper's references 1 and 2): square tiles of one size cover the surface, turned
+//! along the cross field, and are relaxed by a repulsion that is square as they are.
 //!
 //! # Changes versus the paper
-//! The paper relaxes random tiles at their final size. Here tiles are taken where the rows of a periodic solve cross
-//! ([`phases`], [`lattice`]), in step over the whole surface; where more are wanted than are solved for, each is split into
-//! three by three ([`refine`]). Rows may be led on until none ends ([`Rows::Continuous`]); the tiles' sides then give way.
-//! There, and where tiles are rectangles, neighbours are known in the mosaic's own metric ([`chart`]). Tiles on features are
-//! placed along the feature curves ([`feature_samples`]) and stay there; they are seen from each side of a crease apart.
+//! The paper relaxes random tiles at their final size. Here tiles lie on the integer grid of a
+//! [parametrization](crate::parametrize), in step over the whole surface, and are relaxed on coarse levels: each is then split into
+//! three by three ([`refine`]). Tiles on features are placed along the feature curves ([`feature_samples`]) and do not move; each
+//! side of a crease sees its own tiles. Where rows are continuous, or tiles are rectangles
+//! ([`Stretch`](crate::field::Stretch)), tiles keep the places of the grid and are not relaxed.
 //!
 //! # Practice
-//! Order of work: [`phases`], [`feature_samples`] tiles on features, [`lattice`], [`insert_delete`] (remove and add), [`relax`], [`refine`];
-//! where no row crosses another, as on a part of the size of a tile, [`seed`].
+//! Order of work: the parametrization; [`feature_samples`]; the integer grid; [`insert_delete`]; relaxation; [`refine`]. Where no
+//! row crosses another, as on a part of the size of a tile, [`seed`] places the tiles. The scale is searched until the count is
+//! right.
 //!
-//! Tried at 6,000 tiles: one, two and six batches of 8 steps gave fish_blub 3.9, 3.9, 3.9 and spot 4.2, 4.2, 4.1 % odd faces
-//! before clean-up; two are kept, for what sizes and guides disturb. In the first of them tiles move by 0.008 tile sides in
-//! the mean on m6_gen, 0.02 on spot, 0.06 after a split; where it is less than a hundredth there is no second. At 60,000 tiles, m6_gen and spot: solved at 6,700 and
-//! split 0.62 and 1.55 % odd faces, Qg 0.981 and 0.967; solved at 60,000 0.54 and 1.61 %, Qg 0.985 and 0.971, in twice the time.
-//! Rectangular tiles ([`crate::field::Stretch`]) are taken where rows cross, at the wanted density, and are not relaxed.
-//! Squares laid like that have, at 6,000 points after clean-up and pairing, Qr 0.992 on spot, 0.989 on fandisk and 0.993 on
-//! the example's wing, and 3.1, 2.5 and 1.5 % irregular vertices; relaxed they have 0.992, 0.991 and 0.994, and 2.3, 2.4 and
-//! 1.4 %.
-//! A reach of 1.6 tile sides instead of 1.75 loses 0.003 of Qr on the eight models and saves a tenth of the time.
+//! Variants that were measured: docs/experiments.md, mosaic.
 
 pub(crate) mod anisotropic;
 mod builder;
 mod count_search;
 pub mod feature_samples;
-pub mod fit;
 pub mod insert_delete;
+pub mod quality;
 pub mod quarters;
 pub mod refine;
 pub mod seed;
@@ -59,9 +52,9 @@ pub struct Mosaic {
     pub(crate) curve_parameters: CurveParameters,
     /// See [`Mosaic::factor`]; empty where tiles are squares.
     pub(crate) factors: Vec<f32>,
-    /// The metric in which the tiles are equal squares, where rows pass over the whole surface or tiles are rectangles.
+    /// The metric in which the tiles are unit squares, where rows are continuous or tiles are rectangles.
     pub(crate) metric: Option<GridMetric>,
-    /// What became of the ends of rows: on the level that was solved for.
+    /// The ends of rows of the parametrization.
     pub row_ends: Option<RowEnds>,
 }
 
@@ -77,7 +70,7 @@ impl Mosaic {
         own + self.free().len()
     }
 
-    /// Tiles at the scale `h` on the features, and these free tiles.
+    /// Tiles on the features at the scale `h`, and these free tiles.
     pub(crate) fn new(
         surface: &Surface,
         field: &Field,

@@ -1,13 +1,13 @@
-//! First tiles, spread evenly over the surface.
+//! Seeds: tiles spread evenly over the surface, where no rows cross.
 
 use crate::compute::Tile;
 use crate::field::Field;
 use crate::surface::Surface;
 
-/// About as many free tiles at the scale `h` as have room, at scattered places; the same ones every time.
+/// As many free tiles at the scale `h` as the surface takes, at scattered points; the same ones every time.
 ///
-/// Each tile has its own equal share of the area, in tiles, counted through the triangles in order, so that the spread is even
-/// wherever neighbouring triangles have neighbouring numbers.
+/// Each tile has an equal share of the area, counted in tiles through the triangles in order. The spread is even wherever
+/// neighbouring triangles have neighbouring numbers.
 pub fn seed(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
     let sizes = field.sizes();
     let areas: Vec<f64> = (0..surface.triangle_count()).map(|t| sizes.double_area(surface, t)).collect();

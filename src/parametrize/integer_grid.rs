@@ -1,7 +1,7 @@
-//! The integer grid: the points at which both coordinates are whole numbers.
+//! The integer grid: the points at which both coordinates are integers.
 
 use super::Parametrization;
-use super::grid_metric::{GridMetric, Part};
+use super::grid_metric::{GridMetric, LinearPiece};
 use crate::field::Field;
 use crate::surface::Surface;
 use glam::{DVec3, Vec3};
@@ -60,29 +60,29 @@ pub fn continuous_integer_grid(
         let (triangle, position) = (placed.cone.triangle, placed.position.as_vec3());
         GridPoint { triangle, position, side: h * field.sizes().at(surface, triangle, position) }
     });
-    let points_of = |triangle: u32, part: &Part| {
-        let origin = parametrization.at(part.corner);
-        let [p, q] = part.sides;
+    let points_of = |triangle: u32, piece: &LinearPiece| {
+        let origin = parametrization.at(piece.corner);
+        let [p, q] = piece.sides;
         let area = p[0] * q[1] - p[1] * q[0];
-        let [a, b, c] = part.points;
+        let [a, b, c] = piece.points;
         let is_inverted = area < 0.0;
         let sides = if is_inverted { [q, p] } else { [p, q] };
         let side = ((b - a).cross(c - a).length() / area.abs().max(f64::MIN_POSITIVE)).sqrt() as f32;
         let off_features = |[x, y]: &[f64; 2]| {
             let far = [*y, 1.0 - x - y, *x];
             let near = [1.0 - x - y, *x, *y];
-            far.iter().zip(part.on_feature).all(|(&far, on_feature)| !on_feature || far > 2.0 * SLACK)
-                && near.iter().zip(part.has_feature).all(|(&near, on)| !on || near < 1.0 - 2.0 * SLACK)
+            far.iter().zip(piece.on_feature).all(|(&far, on_feature)| !on_feature || far > 2.0 * SLACK)
+                && near.iter().zip(piece.has_feature).all(|(&near, on)| !on || near < 1.0 - 2.0 * SLACK)
         };
         let in_order = move |[x, y]: [f64; 2]| if is_inverted { [y, x] } else { [x, y] };
         let found = crossings(origin, sides, NO_AREA).into_iter().map(in_order).filter(off_features);
         let point =
-            |shares| (GridPoint { triangle, position: place(part.points, shares).as_vec3(), side }, is_inverted);
+            |shares| (GridPoint { triangle, position: place(piece.points, shares).as_vec3(), side }, is_inverted);
         found.map(point).collect::<Vec<_>>()
     };
     let elsewhere = (0..surface.triangle_count() as u32)
         .into_par_iter()
-        .flat_map_iter(|t| metric.parts(surface, t).into_iter().flat_map(move |part| points_of(t, &part)));
+        .flat_map_iter(|t| metric.pieces(surface, t).into_iter().flat_map(move |piece| points_of(t, &piece)));
     let (inverted, upright): (Vec<_>, Vec<_>) = elsewhere.partition(|&(_, is_inverted)| is_inverted);
     let mut points: Vec<GridPoint> = on_cones.chain(upright.into_iter().map(|(point, _)| point)).collect();
     let count = points.len();
@@ -109,21 +109,21 @@ fn place([a, b, c]: [DVec3; 3], [to_b, to_c]: [f64; 2]) -> DVec3 {
     a + (b - a) * to_b + (c - a) * to_c
 }
 
-/// Where both coordinates are whole in a triangle, in shares of its first and last side: they are `origin` at its first
-/// corner and grow by `sides` along those.
+/// The points of a triangle at which both coordinates are integers, in shares of its first and last side. The coordinates are
+/// `origin` at its first corner and grow by `sides` along those two sides.
 fn crossings(origin: [f64; 2], [p, q]: [[f64; 2]; 2], thin: f64) -> Vec<[f64; 2]> {
     let mut found = Vec::new();
     let area = p[0] * q[1] - p[1] * q[0];
     if area <= thin * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]) {
         return found;
     }
-    let whole = |k: usize| {
+    let integers = |k: usize| {
         let ends = [0.0, p[k], q[k]].map(|x| origin[k] + x);
         let [low, high] = [f64::min, f64::max].map(|pick| ends.into_iter().reduce(pick).unwrap_or(0.0));
         let slack = SLACK * (high - low);
         (low - slack).ceil() as i64..=(high + slack).floor() as i64
     };
-    for (i, j) in whole(0).flat_map(|i| whole(1).map(move |j| (i, j))) {
+    for (i, j) in integers(0).flat_map(|i| integers(1).map(move |j| (i, j))) {
         let [x, y] = [i as f64 - origin[0], j as f64 - origin[1]];
         let [b, c] = [(x * q[1] - y * q[0]) / area, (p[0] * y - p[1] * x) / area];
         if b >= -SLACK && c >= -SLACK && b + c <= 1.0 + SLACK {
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn crossings_lie_at_whole_numbers_and_none_is_missed() {
+    fn crossings_lie_at_integers_and_none_is_missed() {
         // A right triangle of 3 by 3 tiles, its first corner just off a crossing.
         let origin = [0.9, 4.9];
         let found = crossings(origin, [[3.0, 0.0], [0.0, 3.0]], THIN);

@@ -1,15 +1,14 @@
-//! The fitting size: tiles whose side follows the field's turning, so that rows need not end.
+//! Integrable sizes: tiles whose side follows the field's turning, so that rows need not end.
 //!
 //! # Theory
-//! For a cross field with axes `e1`, `e2` that turns at the rate `w` (so much along each direction, from `e1` towards `e2`)
-//! the rows of squares fit where `grad log h = w(e2) e1 - w(e1) e2`: that is `w`, as a vector, turned back by a quarter. In
-//! the sense of least squares this is one Poisson equation with the cotangent Laplacian, whose right-hand side at a vertex
-//! is minus half the sum of the turning along the sides opposite to it, what a triangle's three turnings do not close by
-//! being taken off in thirds. Open boundaries are free.
+//! Let a cross field with axes `e1`, `e2` turn at the rate `w(e)` along a direction `e`, from `e1` towards `e2`. Rows of squares
+//! of side `h` need not end where `grad log h = w(e2) e1 - w(e1) e2`, which is `w` as a vector, turned back by a quarter. By
+//! least squares this is one Poisson equation with the cotangent Laplacian. Its right-hand side at a vertex is minus half the
+//! sum of the turning along the sides opposite to the vertex; a third of what the three turnings of a triangle do not add up
+//! to is taken off each. Open boundaries are free.
 //!
 //! # Practice
-//! At a singularity `log h` has no bound: it is held within the range by a hyperbolic tangent, which leaves small values as
-//! they are.
+//! At a singularity `log h` has no bound. A hyperbolic tangent keeps it within the range and leaves small values as they are.
 
 use super::turning;
 use crate::compute::{Backend, ComputeError, Link};
@@ -18,13 +17,13 @@ use crate::solver::{Hierarchy, Problem, Terms};
 use crate::surface::{Surface, previous};
 use glam::DVec3;
 
-/// How far chords may be from a feature, in mean sides.
+/// The largest distance of a chord from its feature, in mean sides.
 const MISS: f64 = 0.1;
 /// Iterations of the solver.
 const ITERATIONS: u32 = 8;
 
-/// The logarithm of the fitting side at each vertex against the mean one; `range`: the largest side over the mean, and the
-/// mean over the smallest.
+/// The logarithm of the integrable side at each vertex over the mean side; `range` bounds the largest side over the mean, and
+/// the mean over the smallest.
 ///
 /// # Errors
 /// Where the backend fails.
@@ -36,7 +35,7 @@ pub fn integrable_sizes(
 ) -> Result<Vec<f64>, ComputeError> {
     let values = equations(surface, field).solve(backend)?;
     let mut logs: Vec<f64> = values.iter().map(|z| f64::from(z[0])).collect();
-    // Its zero is free: the mean over the area.
+    // The solution is unique up to a constant: its mean over the area becomes zero.
     let (mut sum, mut area) = (0.0, 0.0);
     for t in 0..surface.triangle_count() {
         let own = f64::from(surface.double_area(t));
@@ -48,7 +47,7 @@ pub fn integrable_sizes(
     Ok(logs)
 }
 
-/// Lowers sides on features so that no chord misses its feature by more than a tenth of the mean side, `side`.
+/// Lowers sides on features so that no chord is farther from its feature than a tenth of the mean side, `side`.
 pub fn limit_chord_error(surface: &Surface, side: f64, relative: &mut [f32]) {
     for curve in surface.features().curves() {
         let mut points: Vec<DVec3> = curve.vertices.iter().map(|&v| surface.points[v as usize].as_dvec3()).collect();
@@ -65,7 +64,7 @@ pub fn limit_chord_error(surface: &Surface, side: f64, relative: &mut [f32]) {
     }
 }
 
-/// The ways to a point of a polyline from one that is `reach` before it, and from it to one that is as far after it.
+/// The vectors to a point of a polyline from the point that is `reach` before it, and from it to the point as far after it.
 fn around(points: &[DVec3], closed: bool, at: usize, reach: f64) -> Option<[DVec3; 2]> {
     let count = points.len();
     let step = |i: usize, forward: bool| match (forward, closed) {
@@ -74,7 +73,7 @@ fn around(points: &[DVec3], closed: bool, at: usize, reach: f64) -> Option<[DVec
         (true, true) => Some((i + 1) % count),
         (false, true) => Some((i + count - 1) % count),
     };
-    let way = |forward: bool| {
+    let vector = |forward: bool| {
         let (mut i, mut length) = (at, 0.0);
         while length < reach {
             let next = step(i, forward)?;
@@ -86,7 +85,7 @@ fn around(points: &[DVec3], closed: bool, at: usize, reach: f64) -> Option<[DVec
         }
         Some(if forward { points[i] - points[at] } else { points[at] - points[i] })
     };
-    Some([way(false)?, way(true)?])
+    Some([vector(false)?, vector(true)?])
 }
 
 fn equations(surface: &Surface, field: &Field) -> Hierarchy {

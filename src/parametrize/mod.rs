@@ -1,57 +1,25 @@
-//! The periodic solve: rows of tiles that are in step over the whole surface, before there is a tile.
+//! The parametrization: two coordinates over the surface whose integers are the rows of tiles.
 //!
 //! # Theory
-//! After Ray, Li, Lévy, Sheffer and Alliez 2006 (*Periodic global parameterization*). Where the two families of rows lie
-//! is held by two unit complex numbers at each sector of the surface's vertices, the phases `exp(2 pi i u)` and
-//! `exp(2 pi i v)` of the coordinates along the cross's two axes, in tile sides. A neighbour is read through the matching
-//! of the crosses, a quarter turn of which swaps the two and mirrors one, and a shift, the way to it in tile sides
-//! ([`Transition`]). So each phase at each sector is an unknown, and a link between two of them is a turn or a mirrored turn:
-//! the field's kind of equations, smoothed from coarse levels to fine ones by the field's kernels, normalised after
-//! every sweep.
+//! After Ray, Li, Lévy, Sheffer and Alliez 2006 (*Periodic global parameterization*). At each sector of the surface's vertices
+//! two unit complex numbers, the phases `exp(2 pi i u)` and `exp(2 pi i v)`, hold the coordinates along the cross's two axes, in
+//! tile sides. A [`Transition`] reads a neighbour's phases: a quarter turn of the matching swaps the two and mirrors one, and
+//! the wanted difference of the coordinates shifts them. Each phase is an unknown, and a link between two of them is a
+//! rotation or a reflection, so that the solver of the cross field solves for phases too, with normalised sweeps.
+//!
+//! Afterwards the phases have integer jumps, and rows end where the jumps around a triangle do not add up to zero. Ends of
+//! rows are cancelled by pairs; then the coordinates are solved for again by least squares, with the jumps fixed (Bommer,
+//! Zimmer and Kobbelt 2009, *Mixed-integer quadrangulation*). Rows that pass over the whole surface have no ends; where
+//! creases are too near each other for that, constraints are released, and inverted triangles are stiffened.
 //!
 //! # Changes versus the paper
-//! The paper's forerunner relaxes random tiles, which order only locally. The share of faces that are no quads before any
-//! clean-up, in percent at 6,000 points (random tiles on a coarse level, relaxed, split into three by three / periodic):
-//! m6_gen 2.4 / 1.7, fish_blub 5.8 / 4.0, spot 5.4 / 4.1, fandisk 4.2 / 2.4. Mean Qg rose by 0.02 to 0.03.
+//! The paper's forerunner relaxes random tiles, which order only locally.
 //!
 //! # Practice
 //! On a feature the phase across it is fixed, so that a row lies on it, and the phase along it is one unknown for all of its
-//! sides. At corners both are fixed.
+//! sides. At corners both are fixed. Continuous rows run on past the ends of creases; rows that may end do not.
 //!
-//! Sweeps a level: 10, 20, 60, 200 gave fish_blub 4.2, 3.9, 4.0, 4.2 and spot 4.3, 4.2, 4.0, 3.9 % odd faces; 1,000
-//! sweeps on the first level in place of 200 changed nothing. Edges of at most 0.45, 0.7 and 1 tile sides gave fish_blub
-//! 4.0, 3.9, 4.5 and spot 4.0, 4.2, 4.3.
-//!
-//! Each end of a row of equal tiles becomes an odd face. Those near each other are led to each other ([`Parametrization::close`]);
-//! sides give way a little. By what that may cost, odd faces before any clean-up in percent and the mean Qg of the mesh:
-//!
-//! | cost | fish_blub | spot | fandisk | m6_gen |
-//! |---|---|---|---|---|
-//! | 0 | 4.3, 0.943 | 4.1, 0.937 | 2.4, 0.957 | 1.6, 0.969 |
-//! | 12 | 3.2, 0.945 | 3.2, 0.939 | 2.1, 0.957 | 1.5, 0.969 |
-//! | 18 | 2.8, 0.945 | 3.1, 0.935 | 2.1, 0.958 | 1.5, 0.969 |
-//! | 25 | 2.5, 0.941 | 2.6, 0.931 | 2.1, 0.955 | 1.4, 0.967 |
-//! | 40 | 2.4, 0.934 | 2.2, 0.926 | 1.7, 0.951 | 1.4, 0.965 |
-//!
-//! Rows that pass over the whole surface ([`Rows::Continuous`]) leave no row end, but whole numbers may contradict each other:
-//! creases less than a tile apart, and creases shorter than one. There rows run on past the ends of creases, one of two
-//! creases lets its row go, and folded triangles weigh more. At 6,000 points, `--fit 1 --quads all`, irregular
-//! vertices in percent, and those that the singularities demand:
-//!
-//! | | m6_gen | fish_blub | fandisk | anchor | spot | holes_cgal |
-//! |---|---|---|---|---|---|---|
-//! | without all this | 0.20 | 1.66 | 1.04 | 2.78 | 1.45 | 0.58 |
-//! | with it | 0.05 | 0.56 | 0.83 | 2.83 | 0.91 | 0.40 |
-//! | demanded | 0.05 | 0.56 | 0.57 | 0.82 | 0.99 | 0.50 |
-//!
-//! Tried: moving row ends once more where the strain of the solved coordinates says so (negative cycles over the triangles)
-//! lowered the strain by 1 % and no count; pulling the field along features for one and a half tiles, so that no
-//! singularity lies nearer than a tile to one, made more irregular vertices on most models. Whole numbers swing with any
-//! setting: over all variants tried fandisk had 0.63 to 1.0 % and anchor 2.0 to 4.1 %.
-//!
-//! Of the paper's rows, where creases run out within the surface the end holds a tile. Letting rows run on past it instead, with the last tile at
-//! the nearest whole number, gave fish_blub and spot 0.1 to 0.3 % fewer odd faces, and features missed by 0.27 and 0.42
-//! tiles (0.10 and 0.30 with tiles there). Creases left out of the solve's first levels gained nothing.
+//! Variants that were measured: docs/experiments.md, parametrization.
 
 mod cones;
 mod equations;
@@ -87,26 +55,27 @@ pub enum Rows {
     Continuous,
 }
 
-/// An image whose least stretch is below this is nearly turned over.
-const NEARLY_FOLDED: f64 = 0.1;
+/// An image whose smaller singular value is below this is nearly inverted.
+const NEARLY_INVERTED: f64 = 0.1;
 
-/// The phases of the rows at all sectors.
+/// Two coordinates at all sectors, in tile sides.
 #[derive(Clone, Debug)]
 pub struct Parametrization<'a> {
     field: &'a Field,
-    ways: Vec<Transition>,
-    /// The two coordinates of each sector, up to whole numbers.
-    places: Vec<[f64; 2]>,
-    /// By how much more than the two places say the coordinates grow along each half-edge, at the sector that it leaves.
+    /// Along each half-edge.
+    transitions: Vec<Transition>,
+    /// The two coordinates of each sector, up to integers.
+    coordinates: Vec<[f64; 2]>,
+    /// What is added to the difference of the coordinates along each half-edge, in the frame of the sector where it begins.
     jumps: Vec<[i32; 2]>,
     unknowns: Vec<Unknowns>,
     /// Whether each unknown is fixed.
     fixed: Vec<bool>,
-    /// Ends of features that need hold no tile: rows run on past them.
-    pub(crate) loose: FxHashSet<u32>,
-    /// Vertices of creases that rows no longer lie on.
-    pub(crate) trimmed: FxHashSet<u32>,
-    /// How many times its own weight each triangle has where the coordinates are solved for again; empty: once.
+    /// Ends of features that hold no tile: rows run on past them.
+    pub(crate) released_ends: FxHashSet<u32>,
+    /// Vertices of creases that rows do not lie on.
+    pub(crate) released_vertices: FxHashSet<u32>,
+    /// The factor of each triangle's weight where the coordinates are solved for again; empty: 1.
     stiffness: Vec<f64>,
 }
 
@@ -130,31 +99,48 @@ impl<'a> Parametrization<'a> {
         rows: Rows,
         backend: &dyn Backend,
     ) -> Result<Self, ComputeError> {
-        let ways = transitions::transitions(surface, field, side);
-        let loose = match rows {
+        let transitions = transitions::transitions(surface, field, side);
+        let released_ends = match rows {
             Rows::Paper => FxHashSet::default(),
-            Rows::Continuous => loose_ends(surface, field.sectors()),
+            Rows::Continuous => releasable_ends(surface, field.sectors()),
         };
-        let trimmed = FxHashSet::default();
-        let (unknowns, fixed) = equations::unknowns(surface, field.sectors(), &loose, &trimmed);
+        let released_vertices = FxHashSet::default();
+        let (unknowns, fixed) = equations::unknowns(surface, field.sectors(), &released_ends, &released_vertices);
         let (sectors, stiffness) = (field.sectors(), Vec::new());
-        let graph = Graph { surface, sectors, ways: &ways, unknowns: &unknowns, fixed: &fixed, stiffness: &stiffness };
+        let graph = Graph {
+            surface,
+            sectors,
+            transitions: &transitions,
+            unknowns: &unknowns,
+            fixed: &fixed,
+            stiffness: &stiffness,
+        };
         let values = equations::equations(&graph)?.solve(backend)?;
-        let places = unknowns.iter().map(|pair| pair.map(|unknown| turns(&values, unknown))).collect();
-        let mut phases = Self { field, ways, places, jumps: Vec::new(), unknowns, fixed, loose, trimmed, stiffness };
-        phases.jumps = phases.nearest_jumps(surface);
-        Ok(phases)
+        let coordinates = unknowns.iter().map(|pair| pair.map(|unknown| turns(&values, unknown))).collect();
+        let mut parametrization = Self {
+            field,
+            transitions,
+            coordinates,
+            jumps: Vec::new(),
+            unknowns,
+            fixed,
+            released_ends,
+            released_vertices,
+            stiffness,
+        };
+        parametrization.jumps = parametrization.nearest_jumps(surface);
+        Ok(parametrization)
     }
 
-    /// Leads the ends of rows to where they cancel and solves for the coordinates again.
+    /// Cancels the ends of rows by pairs and solves for the coordinates again.
     ///
-    /// Of continuous rows none is left to end: they pass over the whole surface but for singularities of the field, and
-    /// their distances give way. Of the paper's rows those ends go that lie near each other; `finer` times as many rows
-    /// are made of them later.
+    /// Continuous rows keep no end: they pass over the whole surface but for singularities of the field, and their distances
+    /// adapt. Of the paper's rows those ends are cancelled that lie near each other; `finer` times as many rows are made of
+    /// them later.
     ///
     /// # Errors
     /// Where the backend fails.
-    pub fn close(
+    pub fn resolve_row_ends(
         &mut self,
         surface: &Surface,
         rows: Rows,
@@ -163,11 +149,11 @@ impl<'a> Parametrization<'a> {
     ) -> Result<RowEnds, ComputeError> {
         let ends = self.cancel_row_ends(surface, rows, finer);
         match rows {
-            Rows::Paper => self.settle(surface, &[], backend)?,
+            Rows::Paper => self.solve_offsets(surface, &[], backend)?,
             Rows::Continuous => {
-                self.settle(surface, &self.cones(surface), backend)?;
-                self.trim(surface, backend)?;
-                self.unfold(surface, backend)?;
+                self.solve_offsets(surface, &self.cones(surface), backend)?;
+                self.release(surface, backend)?;
+                self.stiffen_inverted(surface, backend)?;
             }
         }
         Ok(ends)
@@ -177,67 +163,70 @@ impl<'a> Parametrization<'a> {
         (0..surface.triangle_count() as u32).filter_map(|t| self.cone(t)).collect()
     }
 
-    /// Solves for the coordinates again, the jumps being kept.
-    fn settle(&mut self, surface: &Surface, cones: &[Cone], backend: &dyn Backend) -> Result<(), ComputeError> {
+    /// Solves for the coordinates again, with the same jumps.
+    fn solve_offsets(&mut self, surface: &Surface, cones: &[Cone], backend: &dyn Backend) -> Result<(), ComputeError> {
         let values = equations::offsets(surface, self, cones).solve(backend)?;
-        for (place, pair) in self.places.iter_mut().zip(&self.unknowns) {
+        for (coordinates, pair) in self.coordinates.iter_mut().zip(&self.unknowns) {
             for k in 0..2 {
                 let offset = f64::from(values[(pair[k] & !MIRRORED) as usize][1]);
-                place[k] += if pair[k] & MIRRORED != 0 { -offset } else { offset };
+                coordinates[k] += if pair[k] & MIRRORED != 0 { -offset } else { offset };
             }
         }
         Ok(())
     }
 
-    /// Puts so many rows in place of each.
+    /// Puts so many rows in the place of each.
     pub fn multiply(&mut self, by: u32) {
-        self.places.iter_mut().flatten().for_each(|place| *place *= f64::from(by));
+        self.coordinates.iter_mut().flatten().for_each(|coordinate| *coordinate *= f64::from(by));
         self.jumps.iter_mut().flatten().for_each(|jump| *jump *= by as i32);
-        self.ways.iter_mut().flat_map(|way| &mut way.by).for_each(|side| *side *= f64::from(by));
+        self.transitions
+            .iter_mut()
+            .flat_map(|transition| &mut transition.wanted)
+            .for_each(|side| *side *= f64::from(by));
     }
 
     fn graph<'g>(&'g self, surface: &'g Surface) -> Graph<'g> {
-        let Self { ways, unknowns, fixed, stiffness, .. } = self;
-        Graph { surface, sectors: self.field.sectors(), ways, unknowns, fixed, stiffness }
+        let Self { transitions, unknowns, fixed, stiffness, .. } = self;
+        Graph { surface, sectors: self.field.sectors(), transitions, unknowns, fixed, stiffness }
     }
 
-    /// The jumps that make steps most like the ways.
+    /// The jumps that make the steps nearest to the wanted ones.
     fn nearest_jumps(&self, surface: &Surface) -> Vec<[i32; 2]> {
         let own = |h: u32| {
-            let way = &self.ways[h as usize];
-            let [here, there] = [self.at(h), way.back(self.at(next(h)))];
-            [0, 1].map(|k| -(there[k] - here[k] - way.by[k]).round() as i32)
+            let transition = &self.transitions[h as usize];
+            let [here, there] = [self.at(h), transition.back(self.at(next(h)))];
+            [0, 1].map(|k| -(there[k] - here[k] - transition.wanted[k]).round() as i32)
         };
         // Both sides of an edge must fall on the same side of a half.
         let jump = |h: u32| match surface.twin(h) {
             Some(twin) if twin < h && !surface.features().is_feature(h) => {
-                self.ways[twin as usize].forth(own(twin).map(f64::from)).map(|x| -x as i32)
+                self.transitions[twin as usize].forward(own(twin).map(f64::from)).map(|x| -x as i32)
             }
             _ => own(h),
         };
-        (0..self.ways.len() as u32).map(jump).collect()
+        (0..self.transitions.len() as u32).map(jump).collect()
     }
 
-    /// The coordinates at the sector of a corner, up to whole numbers.
+    /// The coordinates at the sector of a corner, up to integers.
     pub fn at(&self, corner: u32) -> [f64; 2] {
-        self.places[self.sector(corner)]
+        self.coordinates[self.sector(corner)]
     }
 
-    /// By how much the coordinates grow along a half-edge, in the frame of the sector that it leaves.
+    /// The difference of the coordinates along a half-edge, in the frame of the sector where it begins.
     pub fn step(&self, half_edge: u32) -> [f64; 2] {
-        let [here, there] = [self.at(half_edge), self.ways[half_edge as usize].back(self.at(next(half_edge)))];
+        let [here, there] = [self.at(half_edge), self.transitions[half_edge as usize].back(self.at(next(half_edge)))];
         let jump = self.jumps[half_edge as usize];
         [0, 1].map(|k| there[k] - here[k] + f64::from(jump[k]))
     }
 
     /// As [`Parametrization::step`], in the frame of the sector at the half-edge's end.
     pub fn step_at_end(&self, half_edge: u32) -> [f64; 2] {
-        self.ways[half_edge as usize].forth(self.step(half_edge))
+        self.transitions[half_edge as usize].forward(self.step(half_edge))
     }
 
-    /// The coordinate in the direction of a half-edge on a feature where it begins, up to whole numbers, and its growth.
+    /// The coordinate along a half-edge on a feature where it begins, up to integers, and its difference along the half-edge.
     pub fn along(&self, half_edge: u32) -> [f64; 2] {
-        let [x, y] = self.ways[half_edge as usize].by;
+        let [x, y] = self.transitions[half_edge as usize].wanted;
         let (k, sign) = if x.abs() >= y.abs() { (0, x.signum()) } else { (1, y.signum()) };
         [self.at(half_edge)[k], self.step(half_edge)[k]].map(|value| sign * value)
     }
@@ -255,13 +244,13 @@ fn turns(values: &[Complex], unknown: u32) -> f64 {
 }
 
 /// The ends of creases within the surface that no singularity of the field sits on.
-fn loose_ends(surface: &Surface, sectors: &Sectors) -> FxHashSet<u32> {
+fn releasable_ends(surface: &Surface, sectors: &Sectors) -> FxHashSet<u32> {
     let features = surface.features();
     let mut shared = FxHashSet::default();
     for v in (0..surface.vertex_count() as u32).filter(|&v| surface.same_place(v) != v) {
         shared.extend([v, surface.same_place(v)]);
     }
-    let is_loose = |&v: &u32| {
+    let is_releasable = |&v: &u32| {
         let [sector] = *sectors.of_vertex(v) else { return false };
         let first = sectors.first_corner[sector as usize];
         sectors.quarters[sector as usize] == 4
@@ -269,5 +258,5 @@ fn loose_ends(surface: &Surface, sectors: &Sectors) -> FxHashSet<u32> {
             && features.is_feature(first)
             && !shared.contains(&v)
     };
-    features.corners().filter(is_loose).collect()
+    features.corners().filter(is_releasable).collect()
 }

@@ -1,23 +1,22 @@
-//! Creases that are too near each other for rows of their own.
+//! Constraint release: creases that are too near each other for rows of their own.
 //!
-//! Rows that pass over the whole surface cannot have less than a tile between them. Where two creases run beside each other
-//! more closely both lie on one row, and what is between them has no room. One of them then lets the row go, from a loose
-//! end of it on.
+//! Rows that pass over the whole surface are at least one tile apart. Two creases that are nearer lie on one row, and the
+//! triangles between them are inverted. The constraint of one of the two is then released, from a free end of the crease on.
 
-use super::{NEARLY_FOLDED, Parametrization, equations};
+use super::{NEARLY_INVERTED, Parametrization, equations};
 use crate::compute::{Backend, ComputeError};
 use crate::surface::{Curve, Surface};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-/// The longest part of a crease that is let go, in tile sides.
+/// The longest part of a crease that is released, in tile sides.
 const LONGEST: f64 = 3.0;
 /// Rounds at most.
 const ROUNDS: usize = 4;
 
-/// A part of a curve from one of its loose ends on.
+/// A part of a curve, from a released end on.
 #[derive(Clone, Copy)]
-struct Part {
+struct CurveEnd {
     curve: usize,
     from_end: bool,
     /// How many vertices.
@@ -27,61 +26,61 @@ struct Part {
 }
 
 impl Parametrization<'_> {
-    /// Lets creases go where triangles beside them are folded and solves again, until that helps no more.
+    /// Releases creases beside inverted triangles and solves again, until no crease is released.
     ///
     /// # Errors
     /// Where the backend fails.
-    pub(super) fn trim(&mut self, surface: &Surface, backend: &dyn Backend) -> Result<(), ComputeError> {
+    pub(super) fn release(&mut self, surface: &Surface, backend: &dyn Backend) -> Result<(), ComputeError> {
         for _ in 0..ROUNDS {
-            if !self.trim_once(surface) {
+            if !self.release_once(surface) {
                 break;
             }
             let cones = self.cones(surface);
-            self.settle(surface, &cones, backend)?;
+            self.solve_offsets(surface, &cones, backend)?;
         }
         Ok(())
     }
 
-    /// Whether any crease was let go.
-    fn trim_once(&mut self, surface: &Surface) -> bool {
-        let folded: Vec<bool> = (0..surface.triangle_count() as u32)
+    /// Releases creases once; whether there were any.
+    fn release_once(&mut self, surface: &Surface) -> bool {
+        let inverted: Vec<bool> = (0..surface.triangle_count() as u32)
             .into_par_iter()
-            .map(|t| self.quarters_round(t) == 0 && self.stretches(t)[1] < NEARLY_FOLDED)
+            .map(|t| self.quarters_around(t) == 0 && self.singular_values(t)[1] < NEARLY_INVERTED)
             .collect();
         let mut groups = Groups((0..surface.vertex_count() as u32).collect());
-        let mut is_folded = vec![false; surface.vertex_count()];
-        for (t, _) in folded.iter().enumerate().filter(|(_, folded)| **folded) {
+        let mut is_inverted = vec![false; surface.vertex_count()];
+        for (t, _) in inverted.iter().enumerate().filter(|(_, inverted)| **inverted) {
             let [a, b, c] = surface.triangles[t];
-            [a, b, c].into_iter().for_each(|v| is_folded[v as usize] = true);
+            [a, b, c].into_iter().for_each(|v| is_inverted[v as usize] = true);
             groups.unite(a, b);
             groups.unite(b, c);
         }
-        // The shortest part for each group of folded triangles, in order.
-        let mut shortest: FxHashMap<u32, Part> = FxHashMap::default();
+        // The shortest part for each group of inverted triangles, in order.
+        let mut shortest: FxHashMap<u32, CurveEnd> = FxHashMap::default();
         let mut order = Vec::new();
         for (number, curve) in surface.features().curves().iter().enumerate().filter(|(_, curve)| !curve.closed) {
             for from_end in [false, true] {
                 let vertices = run(curve, from_end);
-                if !self.loose.contains(&vertices[0]) {
+                if !self.released_ends.contains(&vertices[0]) {
                     continue;
                 }
-                let mut parts: FxHashMap<u32, Part> = FxHashMap::default();
+                let mut parts: FxHashMap<u32, CurveEnd> = FxHashMap::default();
                 let mut length = 0.0;
                 for (i, &v) in vertices.iter().enumerate() {
                     if i > 0 {
                         let edge = if from_end { curve.half_edges.len() - i } else { i - 1 };
-                        let [x, y] = self.ways[curve.half_edges[edge] as usize].by;
+                        let [x, y] = self.transitions[curve.half_edges[edge] as usize].wanted;
                         length += x.hypot(y);
                     }
-                    let is_held = !self.loose.contains(&v) && surface.features().is_corner(v);
+                    let is_held = !self.released_ends.contains(&v) && surface.features().is_corner(v);
                     if length > LONGEST || is_held {
                         break;
                     }
-                    if is_folded[v as usize] && !self.trimmed.contains(&v) {
-                        parts.insert(groups.of(v), Part { curve: number, from_end, count: i + 1, length });
+                    if is_inverted[v as usize] && !self.released_vertices.contains(&v) {
+                        parts.insert(groups.of(v), CurveEnd { curve: number, from_end, count: i + 1, length });
                     }
                 }
-                let mut parts: Vec<(u32, Part)> = parts.into_iter().collect();
+                let mut parts: Vec<(u32, CurveEnd)> = parts.into_iter().collect();
                 parts.sort_unstable_by_key(|&(group, _)| group);
                 for (group, part) in parts {
                     match shortest.get_mut(&group) {
@@ -98,11 +97,11 @@ impl Parametrization<'_> {
         for group in &order {
             let part = shortest[group];
             let vertices = run(&surface.features().curves()[part.curve], part.from_end);
-            self.trimmed.extend(&vertices[..part.count]);
+            self.released_vertices.extend(&vertices[..part.count]);
         }
         if !order.is_empty() {
             (self.unknowns, self.fixed) =
-                equations::unknowns(surface, self.field.sectors(), &self.loose, &self.trimmed);
+                equations::unknowns(surface, self.field.sectors(), &self.released_ends, &self.released_vertices);
         }
         !order.is_empty()
     }

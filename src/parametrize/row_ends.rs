@@ -1,15 +1,15 @@
-//! Row ends, cancelled by flow.
+//! Row ends, cancelled along shortest paths.
 //!
 //! # Theory
-//! Along each half-edge the coordinates jump by a pair of whole numbers beside what their two places say. Round a triangle
-//! in which the field has a direction the steps add up to whole numbers too: to none where rows pass, to a unit where one
-//! ends. Such a *charge* is moved over an edge by changing the edge's jump; where it meets its opposite both vanish. It
-//! may go as well into a triangle where the field is singular, or over an open boundary, which then has a tile more or
-//! less. All charges grow at once over what is cheap (Dijkstra), and those that meet first cancel, again and again; an edge
-//! costs what its step is hurt. After
-//! Bommer, Zimmer and Kobbelt 2009 (*Mixed-integer quadrangulation*) coordinates that are free are solved for again, by least
-//! squares, the jumps being kept.
+//! Along each half-edge the coordinates jump by a pair of integers. Around a triangle in which the field has a direction the
+//! steps add up to a pair of integers: to zero where rows pass, to a unit where a row ends. Such a *charge* is moved over an
+//! edge by a change of the edge's jump, and vanishes where it meets its opposite. It may also go into a triangle where the
+//! field is singular, or over an open boundary, which then has a tile more or less. Paths grow from all charges at once, the
+//! cheapest first (Dijkstra); those that meet first cancel. The price of an edge is how much more its step differs from the
+//! wanted one, squared. Afterwards the coordinates are solved for again by least squares, with these jumps (Bommer, Zimmer and
+//! Kobbelt 2009, *Mixed-integer quadrangulation*).
 
+use super::transitions::turned;
 use super::{Parametrization, Rows};
 use crate::surface::{Surface, previous};
 use rayon::prelude::*;
@@ -17,20 +17,21 @@ use serde::Serialize;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// What an edge costs at least, in the weighted square of a tile side.
+/// The least price of an edge, in weighted squares of a tile side.
 const LEAST_COST: f64 = 0.02;
-/// What a way may cost, in the weighted square of a tile side, that takes away ends of rows of equal tiles. Where each tile
-/// is split afterwards into n by n, it is an n-th: sides give way over n times as many rows.
-const WORTH: f64 = 12.0;
+/// The highest price of a path between ends of rows that may end, in weighted squares of a tile side
+/// (docs/experiments.md, parametrization). Where each tile is split into n by n later, it is an n-th: the sides of n times as
+/// many rows share the difference.
+const MOST_COST: f64 = 12.0;
 
 /// What became of the ends of rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RowEnds {
-    /// Ends of rows that the periodic solve left, counted with their multiplicity.
+    /// Ends of rows after the periodic solve, with their multiplicity.
     pub before: usize,
-    /// Those that no path took away.
+    /// Ends of rows that are left.
     pub after: usize,
-    /// Edges that the paths cross, together.
+    /// Edges that the paths cross, in all.
     pub path_edges: usize,
 }
 
@@ -41,20 +42,20 @@ fn unit(k: u32) -> [i32; 2] {
 
 struct Flow<'a, 'b> {
     surface: &'a Surface,
-    phases: &'a mut Parametrization<'b>,
+    parametrization: &'a mut Parametrization<'b>,
     weights: Vec<f32>,
     /// The feature curve of each half-edge on one, and how many tile sides it has.
     curve_of: Vec<u32>,
     intervals: Vec<i32>,
-    /// What it costs to move a charge over each half-edge in each direction of its triangle; infinite: it cannot.
+    /// The price of moving a charge over each half-edge, for each direction of its triangle; infinite: it cannot.
     prices: Vec<[f32; 4]>,
     charges: Vec<[i32; 2]>,
     /// Whether a charge of any kind may end in a triangle.
     sinks: Vec<bool>,
     /// Whether a vertex lies where several sheets meet.
     shared: Vec<bool>,
-    // Of a search, by triangle and direction: cost, the state before and the half-edge last crossed, the charge that grew
-    // there, whether it is settled.
+    // Of a search, by triangle and direction: cost, the state before and the half-edge crossed last, the charge that the path
+    // began with, whether the cost is final.
     cost: Vec<f64>,
     from: Vec<[u32; 2]>,
     label: Vec<u32>,
@@ -91,11 +92,11 @@ enum End {
 const NOWHERE: u32 = u32::MAX;
 
 impl Parametrization<'_> {
-    /// Moves the ends of rows to where they cancel: all of them, or those of equal tiles for which the way is worth it; the
-    /// places of the rows must be solved for again.
+    /// Cancels the ends of rows: all of them where rows are continuous, else those with a cheap path. Afterwards the coordinates
+    /// must be solved for again.
     pub(super) fn cancel_row_ends(&mut self, surface: &Surface, rows: Rows, finer: u32) -> RowEnds {
         let triangles = surface.triangle_count() as u32;
-        let sinks: Vec<bool> = (0..triangles).map(|t| self.quarters_round(t) != 0).collect();
+        let sinks: Vec<bool> = (0..triangles).map(|t| self.quarters_around(t) != 0).collect();
         let charges: Vec<[i32; 2]> =
             (0..triangles).map(|t| if sinks[t as usize] { [0; 2] } else { self.charge(t) }).collect();
         let sectors = self.field.sectors();
@@ -112,7 +113,7 @@ impl Parametrization<'_> {
             charges.iter().map(|c| (c[0].unsigned_abs() + c[1].unsigned_abs()) as usize).sum::<usize>()
         };
         let before = count(&charges);
-        let mut curve_of = vec![NOWHERE; self.ways.len()];
+        let mut curve_of = vec![NOWHERE; self.transitions.len()];
         let mut intervals = Vec::new();
         for (number, curve) in (0..).zip(surface.features().curves()) {
             intervals.push(curve.half_edges.iter().map(|&h| self.along(h)[1]).sum::<f64>().round() as i32);
@@ -125,7 +126,7 @@ impl Parametrization<'_> {
         let states = 4 * triangles as usize;
         let mut flow = Flow {
             surface,
-            phases: self,
+            parametrization: self,
             weights,
             curve_of,
             intervals,
@@ -145,31 +146,31 @@ impl Parametrization<'_> {
         };
         let mut path_edges = 0;
         loop {
-            let crossed = flow.round(if rows == Rows::Paper { WORTH / f64::from(finer) } else { f64::INFINITY });
+            let crossed = flow.round(if rows == Rows::Paper { MOST_COST / f64::from(finer) } else { f64::INFINITY });
             path_edges += crossed;
             if crossed == 0 {
                 break;
             }
         }
         if rows == Rows::Continuous {
-            path_edges += flow.make_cones_whole();
+            path_edges += flow.make_cones_integer();
         }
         RowEnds { before, after: count(&flow.charges), path_edges }
     }
 
-    /// Quarter turns that the axes are turned by round a triangle.
-    pub(super) fn quarters_round(&self, triangle: u32) -> u32 {
-        (0..3).map(|k| self.ways[3 * triangle as usize + k].quarters).sum::<u32>() % 4
+    /// Quarter turns by which the axes turn around a triangle.
+    pub(super) fn quarters_around(&self, triangle: u32) -> u32 {
+        (0..3).map(|k| self.transitions[3 * triangle as usize + k].quarters).sum::<u32>() % 4
     }
 
     /// Quarter turns from the axes where a half-edge begins to those at its triangle's first corner.
     fn quarters_home(&self, half_edge: u32) -> u32 {
         let first = half_edge - half_edge % 3;
-        let passed: u32 = (first..half_edge).map(|h| self.ways[h as usize].quarters).sum();
+        let passed: u32 = (first..half_edge).map(|h| self.transitions[h as usize].quarters).sum();
         (4 - passed % 4) % 4
     }
 
-    /// What the steps round a triangle add up to, at its first corner.
+    /// The sum of the steps around a triangle, in the frame of its first corner.
     fn charge(&self, triangle: u32) -> [i32; 2] {
         let mut sum = [0.0; 2];
         for h in 3 * triangle..3 * triangle + 3 {
@@ -180,14 +181,9 @@ impl Parametrization<'_> {
     }
 }
 
-/// A vector turned by quarters, counter-clockwise.
-pub(super) fn turned([u, v]: [f64; 2], quarters: u32) -> [f64; 2] {
-    [[u, v], [-v, u], [-u, -v], [v, -u]][quarters as usize % 4]
-}
-
 impl Flow<'_, '_> {
-    /// Lets all charges grow at once, each over what is cheap, and cancels those that meet first, at a cost of `most`
-    /// together; how many edges were crossed.
+    /// Grows paths from all charges at once and cancels those that meet first, up to the price `most` of both paths together;
+    /// how many edges were crossed.
     fn round(&mut self, most: f64) -> usize {
         let mut heap = BinaryHeap::new();
         let starts: Vec<u32> = (0..).zip(&self.charges).flat_map(|(t, &charge)| states_of(t, charge)).collect();
@@ -212,7 +208,7 @@ impl Flow<'_, '_> {
                     self.done[state as usize] = true;
                     if self.sinks[state as usize / 4] {
                         alive[label(self, state)] = false;
-                        crossed += self.carry(End::Inside(state));
+                        crossed += self.apply_path(End::Inside(state));
                         continue;
                     }
                     let opposite = state ^ 2;
@@ -226,17 +222,17 @@ impl Flow<'_, '_> {
                     let [one, other] = [a, b].map(|state| label(self, state));
                     if one != other && alive[one] && alive[other] {
                         (alive[one], alive[other]) = (false, false);
-                        crossed += self.carry(End::Inside(a)) + self.carry(End::Inside(b));
+                        crossed += self.apply_path(End::Inside(a)) + self.apply_path(End::Inside(b));
                     }
                 }
                 Event::Left(state, h) => {
                     if std::mem::replace(&mut alive[label(self, state)], false) {
-                        crossed += self.carry(End::Outside(state, h));
+                        crossed += self.apply_path(End::Outside(state, h));
                     }
                 }
             }
         }
-        self.forget();
+        self.reset_search();
         crossed
     }
 
@@ -260,34 +256,34 @@ impl Flow<'_, '_> {
         }
     }
 
-    fn forget(&mut self) {
+    fn reset_search(&mut self) {
         for state in self.touched.drain(..) {
             self.cost[state as usize] = f64::INFINITY;
             self.done[state as usize] = false;
         }
     }
 
-    /// Leads a charge from one cone between tiles to the next such one, until all lie on tiles.
-    fn make_cones_whole(&mut self) -> usize {
+    /// Moves a charge from one cone with half-integer coordinates to the next one, until all have integers.
+    fn make_cones_integer(&mut self) -> usize {
         let mut crossed = 0;
         for t in (0..self.sinks.len() as u32).filter(|&t| self.sinks[t as usize]).collect::<Vec<_>>() {
-            if self.is_between(t) {
+            if self.is_half_integer(t) {
                 let end = self.search(4 * t, |flow, state| {
-                    flow.sinks[state as usize / 4] && state / 4 != t && flow.is_between(state / 4)
+                    flow.sinks[state as usize / 4] && state / 4 != t && flow.is_half_integer(state / 4)
                 });
-                crossed += end.map_or(0, |end| self.carry(end));
-                self.forget();
+                crossed += end.map_or(0, |end| self.apply_path(end));
+                self.reset_search();
             }
         }
         crossed
     }
 
-    /// Whether the cone in a triangle lies between tiles.
-    fn is_between(&self, triangle: u32) -> bool {
-        self.phases.cone(triangle).is_some_and(|cone| !self.phases.is_whole(&cone))
+    /// Whether the cone in a triangle has half-integer coordinates.
+    fn is_half_integer(&self, triangle: u32) -> bool {
+        self.parametrization.cone(triangle).is_some_and(|cone| !self.parametrization.is_integer(&cone))
     }
 
-    /// The cheapest way from a state to one that takes its charge.
+    /// The cheapest path from a state to one that takes its charge.
     fn search(&mut self, start: u32, takes: impl Fn(&Self, u32) -> bool) -> Option<End> {
         let mut heap = BinaryHeap::new();
         self.reach(start, 0.0, [NOWHERE; 2], 0);
@@ -318,21 +314,21 @@ impl Flow<'_, '_> {
 
     /// The direction that a charge in the direction `k` has on the other side of a half-edge.
     fn across(&self, half_edge: u32, twin: u32, k: u32) -> u32 {
-        let phases = &self.phases;
+        let parametrization = &self.parametrization;
         // To the axes where the half-edge begins, where its twin ends; then to where the twin begins, and home.
-        let here = k + 4 - phases.quarters_home(half_edge);
+        let here = k + 4 - parametrization.quarters_home(half_edge);
         let quarters = if self.surface.features().is_feature(half_edge) {
             // Beside a feature each side has its own axes; along it they are opposite.
-            return (self.along(twin) + 4 + 2 + here - self.along(half_edge) + phases.quarters_home(twin)) % 4;
+            return (self.along(twin) + 4 + 2 + here - self.along(half_edge) + parametrization.quarters_home(twin)) % 4;
         } else {
-            phases.ways[half_edge as usize].quarters
+            parametrization.transitions[half_edge as usize].quarters
         };
-        (here + quarters + phases.quarters_home(twin)) % 4
+        (here + quarters + parametrization.quarters_home(twin)) % 4
     }
 
     /// Quarter turns from the axis to a half-edge on a feature, where it begins.
     fn along(&self, half_edge: u32) -> u32 {
-        let [x, y] = self.phases.ways[half_edge as usize].by;
+        let [x, y] = self.parametrization.transitions[half_edge as usize].wanted;
         if x.abs() >= y.abs() {
             if x > 0.0 { 0 } else { 2 }
         } else if y > 0.0 {
@@ -346,13 +342,13 @@ impl Flow<'_, '_> {
         [0, 1, 2, 3].map(|k| self.price(half_edge, k).map_or(f32::INFINITY, |price| price as f32))
     }
 
-    /// What it costs to move a charge in the direction `k` over a half-edge; `None`: it cannot.
+    /// The price of moving a charge in the direction `k` over a half-edge; `None`: it cannot.
     fn price(&self, half_edge: u32, k: u32) -> Option<f64> {
-        let phases = &self.phases;
-        let here = (k + 4 - phases.quarters_home(half_edge)) % 4;
-        // The jump that takes it away.
+        let parametrization = &self.parametrization;
+        let here = (k + 4 - parametrization.quarters_home(half_edge)) % 4;
+        // The change of the jump.
         let change = unit(here).map(|x| -f64::from(x));
-        let step = phases.step(half_edge);
+        let step = parametrization.step(half_edge);
         if self.surface.features().is_feature(half_edge) {
             let along = unit(self.along(half_edge)).map(f64::from);
             let more = change[0] * along[0] + change[1] * along[1];
@@ -362,16 +358,16 @@ impl Flow<'_, '_> {
                 return None;
             }
         }
-        let by = phases.ways[half_edge as usize].by;
+        let wanted = parametrization.transitions[half_edge as usize].wanted;
         let grown = (0..2).map(|i| {
-            let off = step[i] - by[i];
+            let off = step[i] - wanted[i];
             (off + change[i]).powi(2) - off.powi(2)
         });
         Some((f64::from(self.weights[half_edge as usize]) * grown.sum::<f64>()).max(LEAST_COST))
     }
 
     /// Changes the jumps along the path that was found; how many edges it crosses.
-    fn carry(&mut self, end: End) -> usize {
+    fn apply_path(&mut self, end: End) -> usize {
         let mut crossed = 0;
         let mut state = match end {
             End::Inside(state) => {
@@ -379,14 +375,14 @@ impl Flow<'_, '_> {
                 state
             }
             End::Outside(state, h) => {
-                self.cross(state, h);
+                self.change_jumps(state, h);
                 crossed += 1;
                 state
             }
         };
         while self.from[state as usize][0] != NOWHERE {
             let [before, h] = self.from[state as usize];
-            self.cross(before, h);
+            self.change_jumps(before, h);
             crossed += 1;
             state = before;
         }
@@ -404,8 +400,8 @@ impl Flow<'_, '_> {
     }
 
     /// Changes the jump of a half-edge, and of its twin, that takes a state's charge over it.
-    fn cross(&mut self, state: u32, half_edge: u32) {
-        let here = (state % 4 + 4 - self.phases.quarters_home(half_edge)) % 4;
+    fn change_jumps(&mut self, state: u32, half_edge: u32) {
+        let here = (state % 4 + 4 - self.parametrization.quarters_home(half_edge)) % 4;
         if self.surface.features().is_feature(half_edge) {
             let same = (self.along(half_edge) + 4 - here).is_multiple_of(4);
             self.intervals[self.curve_of[half_edge as usize] as usize] += if same { -1 } else { 1 };
@@ -414,10 +410,10 @@ impl Flow<'_, '_> {
             let [u, v] = unit(k);
             *jump = [jump[0] + u, jump[1] + v];
         };
-        add(&mut self.phases.jumps[half_edge as usize], here + 2);
+        add(&mut self.parametrization.jumps[half_edge as usize], here + 2);
         if let Some(twin) = self.surface.twin(half_edge) {
-            let there = self.across(half_edge, twin, state % 4) + 4 - self.phases.quarters_home(twin);
-            add(&mut self.phases.jumps[twin as usize], there % 4);
+            let there = self.across(half_edge, twin, state % 4) + 4 - self.parametrization.quarters_home(twin);
+            add(&mut self.parametrization.jumps[twin as usize], there % 4);
             self.prices[twin as usize] = self.prices_of(twin);
         }
         self.prices[half_edge as usize] = self.prices_of(half_edge);

@@ -16,12 +16,8 @@
 //! On a surface that bends evenly the curvature does not depend on the radius. A narrow bend through the centre of the
 //! disc (a fillet of total angle `A`, much narrower than the radius `r`) is spread over it: a line of length `2 r` in an
 //! area of `pi r^2` makes `k = 2 A / (pi r)`. So with [`radius_of_tile`] the surface turns by about `k h` within a tile of
-//! side `h` in both cases; measured, the fillet's `k h / A` is 0.97 at 30 degrees, 0.88 at 90 and 0.85 at 115, for a ball
-//! takes more than a disc of flanks that bend towards its centre. Beside the line `k` falls as the chord does, and is zero
-//! from a radius away. A disc only two edges wide sees rows of edges one by one: there `k` is within some 12 %.
-//!
-//! One million triangles take 1.8 s on two busy cores at 6 or 10 edges a radius, and 2.4 s at 2, where nearly every vertex
-//! is measured.
+//! side `h` in both cases. Beside the line `k` falls as the chord does, and is zero from a radius away. Measured values and
+//! times: docs/experiments.md, surface.
 
 use super::{NONE, Surface, next_corner, previous_corner};
 use glam::{DMat3, DVec3, Mat3, Vec3};

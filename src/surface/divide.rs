@@ -1,9 +1,9 @@
 //! Divides long edges, so that what is computed at the surface's vertices can vary within a few tiles; its shape stays.
 //!
 //! # Practice
-//! Long edges are halved, again and again. Inside a thin triangle this would make three of it every time; there the edges
-//! inside wait until those round it are short, and are flipped between the parts, which gives strips of two. At 6,000 tiles
-//! pinion, whose teeth are 30 tiles long and one wide, has 52,000 triangles, not 138,000.
+//! Long edges are halved, again and again. Inside a thin triangle this would give three parts every time; there the inner edges
+//! wait until the outer ones are short, and are flipped between the parts, which gives strips of two (docs/experiments.md,
+//! surface).
 
 use super::split::{Place, Split};
 use super::{FeatureOptions, Features, Surface};

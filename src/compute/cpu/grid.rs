@@ -1,15 +1,13 @@
 //! The neighbour grid: which points lie near a position.
 //!
 //! # Theory
-//!
-//! A hashed uniform grid, sorted by counting. Space is cut into cubic cells; a cell's bucket is its x plus a hash of
-//! its y and z, modulo a power of two. So the cells round a position are nine runs of three adjacent buckets, and one
-//! run is read in one piece. Cells far apart may share a bucket: a candidate's own cell tells.
+//! A hashed uniform grid, sorted by counting. Space is cut into cubic cells. A cell's bucket is its x plus a hash of its y and
+//! z, modulo a power of two. So the cells around a position are nine runs of three adjacent buckets, and one run is read in one
+//! piece. Cells far apart may share a bucket; a candidate's own cell tells them apart.
 //!
 //! # Practice
-//!
-//! `shaders/grid.wgsl` is the same on the GPU, and both give the same integers. The cell size should be slightly
-//! more than the radius searched: two points exactly a cell apart may, by rounding, end up two cells apart.
+//! The cell size should be slightly more than the radius searched: two points exactly a cell apart may, by rounding, end up two
+//! cells apart.
 
 use crate::compute::bucket_count;
 use rayon::prelude::*;

@@ -1,13 +1,11 @@
-//! Neighbour lists: the tiles that a free tile may see during some steps; the twin of `shaders/neighbours.wgsl`.
+//! Neighbour lists: the tiles that a free tile may see during some steps.
 //!
 //! # Theory
-//! Verlet's lists: a search through the grid finds tiles a little further off than a tile sees, by a skin, so that one
-//! search serves several steps. What comes nearer than the skin allows is seen from the next search on.
+//! Verlet lists: a search through the grid finds tiles that are farther off than a tile sees by a skin, so that one search
+//! serves several steps. A tile that comes nearer than the skin allows is seen from the next search on.
 //!
 //! # Practice
-//! In a first step tiles move by 0.05 sides (median; one in a hundred by 0.15), in later ones by a few thousandths: lists
-//! made anew every step, every four steps and every eight gave meshes of the same quality (nine models at 6,000 tiles).
-//! Tiles in rows have eight neighbours within reach and skin: the four that are two sides away are past it.
+//! `LIST_STEPS` and the lists' length: docs/experiments.md, mosaic.
 
 use super::grid::Grid;
 use crate::compute::{LIST_LENGTH, REACH, SKIN, Tile};
@@ -15,7 +13,7 @@ use crate::geometry::dot;
 use crate::surface::NONE;
 use rayon::prelude::*;
 
-/// For each tile, what the grid has near it, in the grid's order and ended by [`NONE`]. Tiles on features have none.
+/// The tiles near each free tile, in the grid's order and ended by [`NONE`]. Tiles on features have empty lists.
 pub fn lists(tiles: &[Tile], cell: f32) -> Vec<[u32; LIST_LENGTH]> {
     let grid = Grid::build(|i| tiles[i].position, tiles.len(), cell);
     (0..tiles.len()).into_par_iter().with_min_len(256).map(|id| list(tiles, &grid, id)).collect()
@@ -36,7 +34,7 @@ fn list(tiles: &[Tile], grid: &Grid, id: usize) -> [u32; LIST_LENGTH] {
     list
 }
 
-/// Whether a tile may come to be seen within some steps: it is near, and faces the same way.
+/// Whether a tile may be seen within some steps: it is near, and faces the same way.
 fn is_near(a: &Tile, b: &Tile) -> bool {
     let reach = (REACH + SKIN) * ((a.h + b.h) * 0.5);
     let e = b.at() - a.at();

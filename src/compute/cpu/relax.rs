@@ -1,14 +1,13 @@
-//! Relaxation: tiles push and pull each other into rows; the twin of `shaders/relax.wgsl`.
+//! Relaxation: tiles push and pull each other into rows.
 //!
 //! # Theory
-//! Two tiles with the mean of their crosses as axes see each other at a place `u`, in tile sides. The lattice place that
-//! this is nearest to, `k`, is where the other should be: each moves by a share of `u - k`. That is antisymmetric, and
-//! orders a random mosaic by itself. Two tiles that overlap (`k = 0`) push apart along the longer axis: the Manhattan
-//! repulsion of the mosaics that the paper builds on.
+//! Two tiles, with the mean of their crosses as axes, see each other at a place `u`, in tile sides. The second belongs at the
+//! nearest lattice point, `k`: each moves by a share of `u - k`. That is antisymmetric, and orders random tiles. Two tiles that
+//! overlap (`k = 0`) push apart along the longer axis: the Manhattan repulsion of the mosaics that the paper builds on.
 //!
 //! # Practice
-//! Where the surface bends between two tiles, the chord between them is stretched to the arc that it spans.
-//! A tile looks at those of its neighbour list alone, which is made anew every few steps.
+//! Where the surface bends between two tiles, the chord between them is lengthened to the arc that it spans. A tile looks at
+//! its neighbour list alone.
 
 use super::neighbours;
 use crate::compute::{LIST_STEPS, REACH, Relaxation, RelaxationSurface, Tile};
@@ -17,13 +16,13 @@ use crate::surface::{NONE, WALK_EDGES, Walkable, walk_on};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Tiles whose normals differ by more than the angle of this cosine do not see each other.
+/// The least cosine between the normals of tiles that see each other.
 pub const LEAST_COSINE: f32 = 0.2;
-/// Tiles further off each other's plane than this, in tile sides, lie on different sheets.
+/// Tiles farther off each other's plane than this, in tile sides, lie on different sheets.
 pub const SHEET: f32 = 0.6;
-/// The share of the way to its place that a tile moves in a step.
+/// The share of the way to its lattice point that a tile moves in a step.
 pub const STEP: f32 = 0.7;
-/// A diagonal neighbour's weight against that of one along the axes.
+/// The weight of a diagonal neighbour; one along the axes has 1.
 pub const DIAGONAL: f32 = 0.5;
 /// The first terms of the series of `arcsin(s) / s` in `s^2`: 1/6, 3/40, 15/336.
 const ARC: [f32; 3] = [0.16666667, 0.075, 0.04464286];
@@ -104,8 +103,7 @@ pub(crate) struct Sight {
 }
 
 impl Sight {
-    /// The place in the lattice, next to the tile, that is nearest to where the other lies; `None` where a place further
-    /// off is nearer.
+    /// The lattice point beside the tile that is nearest to the other tile; `None` where a farther one is nearer.
     fn place(&self, first: bool) -> Option<[f32; 2]> {
         let [u, v] = self.u;
         if u.abs() >= 1.5 || v.abs() >= 1.5 {

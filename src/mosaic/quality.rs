@@ -1,8 +1,8 @@
-//! How well the tiles of a mosaic sit.
+//! The quality of a layout of tiles.
 //!
 //! # Theory
-//! The forerunners' aim (the paper's references 1 and 2): tiles that almost cover the surface, without overlaps. Areas are
-//! measured at points that are spread evenly over the surface: each asks which tiles it lies in, as a tile sees it.
+//! The aim of the paper's references 1 and 2: tiles that almost cover the surface, without overlaps. Areas are measured at points
+//! that are spread evenly over the surface: each counts the tiles that see it within their squares.
 
 use super::Mosaic;
 use super::anisotropic::see_anisotropic;
@@ -15,27 +15,27 @@ use crate::surface::{Surface, SurfacePoint};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Points a tile at which areas are measured.
+/// Points per tile at which areas are measured.
 const POINTS: usize = 25;
-/// So many points at least: each counts for a fifty-thousandth of the area.
+/// The least number of points.
 const LEAST_POINTS: usize = 50_000;
 
-/// How well the tiles of a mosaic sit.
+/// Measures of the tiles of a mosaic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Fit {
+pub struct TileQuality {
     /// The area under tiles, as a share of the surface's.
     pub coverage: f64,
     /// The area under two tiles or more, as a share of the surface's.
     pub overlap: f64,
     /// The mean angle between an axis of a tile and the direction of its neighbour there, in degrees.
     pub straightness: f64,
-    /// For each tile: 1 where its neighbours are at their places, 0 where they are half a tile off, or there are none.
+    /// For each tile: 1 where its neighbours are at their lattice points, 0 where they are half a tile off or missing.
     #[serde(skip)]
     pub of_tiles: Vec<f64>,
 }
 
-impl Fit {
-    /// Measures a mosaic, its tiles without grout.
+impl TileQuality {
+    /// Measures a mosaic whose tiles have no grout.
     pub fn of(surface: &Surface, mosaic: &Mosaic) -> Self {
         let tiles = &mosaic.tiles;
         let largest = tiles.iter().map(|tile| tile.h).fold(f32::MIN_POSITIVE, f32::max);
@@ -92,9 +92,9 @@ fn covers(surface: &Surface, tile: &Tile, factor: f32, longest: f32, point: &Sur
 
 /// The tile next to another along one of its axes.
 struct Neighbour {
-    /// Between the axis and the way to it, in degrees.
+    /// Between the axis and the direction to it, in degrees.
     angle: f64,
-    /// How far it is from its place, along or across, in tile sides.
+    /// How far it is from its lattice point, along or across, in tile sides.
     miss: f64,
 }
 
@@ -112,7 +112,7 @@ fn neighbours(mosaic: &Mosaic, number: usize, longest: f32, grid: &Grid) -> Vec<
             (false, _, false) => (3, -v, u),
         };
         let miss = (along - 1.0).abs().max(across.abs());
-        // Nearer to another place of the lattice, or behind a feature.
+        // Nearer to another lattice point, or behind a feature.
         if miss >= 0.5 || (tile.quarters > 0 && turn as u32 > tile.quarters) {
             return;
         }
@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn a_perfect_lattice_covers_all_once() {
         let (surface, mosaic) = lattice(|_, _| [0.0; 2], 0.0);
-        let fit = Fit::of(&surface, &mosaic);
+        let fit = TileQuality::of(&surface, &mosaic);
         assert!(close(fit.coverage, 1.0) && close(fit.overlap, 0.0), "{fit:?}");
         assert!(fit.straightness < 1e-3);
         assert!(fit.of_tiles.iter().all(|&fit| fit > 0.9999));
@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn a_shifted_tile_leaves_a_gap_and_lies_on_its_neighbour() {
         let (surface, mosaic) = lattice(|i, j| if (i, j) == (5, 6) { [0.25, 0.0] } else { [0.0; 2] }, 0.0);
-        let fit = Fit::of(&surface, &mosaic);
+        let fit = TileQuality::of(&surface, &mosaic);
         let share = 0.25 / (CELLS * CELLS) as f64;
         // A quarter of a tile is 87 points of 50,000; a few less or more lie in it.
         let close = |found: f64, expected: f64| (found - expected).abs() < 0.05 * share;
@@ -195,10 +195,10 @@ mod tests {
     fn rows_that_are_sheared_are_not_straight() {
         // Each row a fifth of a tile further than the one below: of the pairs of neighbours half are off by arctan 0.2.
         let (surface, mosaic) = lattice(|_, j| [0.2 * j as f32, 0.0], 0.0);
-        let fit = Fit::of(&surface, &mosaic);
+        let fit = TileQuality::of(&surface, &mosaic);
         let angle = 0.2_f64.atan().to_degrees();
         assert!((fit.straightness - angle / 2.0).abs() < 1e-3, "{}", fit.straightness);
-        let turned = Fit::of(&surface, &lattice(|_, _| [0.0; 2], 0.1).1);
+        let turned = TileQuality::of(&surface, &lattice(|_, _| [0.0; 2], 0.1).1);
         assert!((turned.straightness - 0.1_f64.to_degrees()).abs() < 1e-3);
     }
 
@@ -207,7 +207,7 @@ mod tests {
         for (quarters, share) in [(1, 0.25), (2, 0.5), (3, 0.75), (4, 1.0), (5, 1.0), (0, 1.0)] {
             let (surface, mut mosaic) = lattice(|_, _| [0.0; 2], 0.0);
             mosaic.tiles.iter_mut().for_each(|tile| tile.quarters = quarters);
-            let fit = Fit::of(&surface, &mosaic);
+            let fit = TileQuality::of(&surface, &mosaic);
             assert!((fit.coverage - share).abs() < 0.005, "{quarters} quarters: {}", fit.coverage);
             assert_eq!(fit.overlap, 0.0);
         }
@@ -220,10 +220,10 @@ mod tests {
             tiles: mosaic.tiles.iter().map(|tile| Tile { normal: [0.0, 0.0, -1.0], ..*tile }).collect(),
             ..mosaic
         };
-        assert_eq!(Fit::of(&surface, &turned).coverage, 0.0);
+        assert_eq!(TileQuality::of(&surface, &turned).coverage, 0.0);
         let soup = Example::Sphere.generate(500);
         let sphere = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-        let none = Fit::of(&sphere, &Mosaic::default());
+        let none = TileQuality::of(&sphere, &Mosaic::default());
         assert_eq!((none.coverage, none.overlap, none.straightness), (0.0, 0.0, 0.0));
     }
 }
