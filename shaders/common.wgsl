@@ -46,14 +46,14 @@ struct Grid {
 
 // Cells lie within +-2^23; past it an f32 has no fraction left. OUTSIDE on all axes marks a point that has no cell, and
 // is nobody's neighbour.
-const REACH_BITS: u32 = 0x4b000000u; // the bits of 2^23
+const CELL_LIMIT_BITS: u32 = 0x4b000000u; // the bits of 2^23
 const OUTSIDE: i32 = 16777216;
 
 fn cell_of(position: vec3<f32>, per_unit: f32) -> vec3<i32> {
     let place = floor(position * per_unit);
     // Judged by its bits: a device may assume that no number is NaN or infinite.
     let magnitude = bitcast<vec3<u32>>(place) & vec3<u32>(0x7fffffffu);
-    if any(magnitude >= vec3<u32>(REACH_BITS)) {
+    if any(magnitude >= vec3<u32>(CELL_LIMIT_BITS)) {
         return vec3<i32>(OUTSIDE);
     }
     return vec3<i32>(place);

@@ -21,12 +21,12 @@ struct Triangle {
 // The scale of the tiles' sizes.
 @group(0) @binding(7) var<uniform> scale: f32;
 
-// The same numbers stand in src/compute/cpu/relax.rs and src/surface/walk.rs; tests/shaders.rs compares them.
+// The same numbers stand in src/compute; tests/shaders.rs compares them.
 const LEAST_COSINE: f32 = 0.2;
 const SHEET: f32 = 0.6;
 const STEP: f32 = 0.7;
 const DIAGONAL: f32 = 0.5;
-const WALK_EDGES: u32 = 256u;
+const MOST_EDGES: u32 = 256u;
 const ARC: vec3<f32> = vec3<f32>(0.16666667, 0.075, 0.04464286);
 
 fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
@@ -115,7 +115,7 @@ fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -
     var heading = displacement;
     var left = 1.0;
     var entered = NONE;
-    for (var edge = 0u; edge < WALK_EDGES; edge++) {
+    for (var edge = 0u; edge < MOST_EDGES; edge++) {
         var corners = array<vec3<f32>, 3>(corner(t, 0u), corner(t, 1u), corner(t, 2u));
         let normal = unit(cross3(corners[1] - corners[0], corners[2] - corners[0]));
         let way = heading * left;

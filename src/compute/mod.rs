@@ -15,7 +15,9 @@ pub use cpu::Cpu;
 pub(crate) use equations::target;
 pub use equations::{Level, Link, MIRRORED, Row, TARGET_LENGTH};
 pub(crate) use tiles::cell;
-pub use tiles::{LIST_LENGTH, LIST_STEPS, REACH, Relaxation, RelaxationSurface, SKIN, Tile, Triangle, bucket_count};
+pub use tiles::{
+    LIST_LENGTH, LIST_STEPS, MOST_EDGES, REACH, Relaxation, RelaxationSurface, SKIN, Tile, Triangle, bucket_count,
+};
 
 use thiserror::Error;
 

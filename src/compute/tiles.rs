@@ -3,7 +3,7 @@
 use super::{Complex, WORKGROUP};
 use crate::geometry::cross;
 use crate::sizes::Sizes;
-use crate::surface::{NONE, Surface};
+use crate::surface::{NONE, Surface, WALK_EDGES};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -15,6 +15,9 @@ pub const SKIN: f32 = 0.2;
 pub const LIST_LENGTH: usize = 16;
 /// The steps that neighbour lists are used for.
 pub const LIST_STEPS: u32 = 8;
+
+/// The edges that a tile may cross in one step.
+pub const MOST_EDGES: u32 = WALK_EDGES;
 
 /// A tile, or one side of a tile on a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

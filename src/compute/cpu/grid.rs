@@ -13,10 +13,10 @@ use crate::compute::bucket_count;
 use rayon::prelude::*;
 
 /// Cells lie within this many of the origin on each axis: past it an `f32` has no fraction left.
-const REACH: f32 = (1 << 23) as f32;
+pub const CELL_LIMIT: f32 = (1 << 23) as f32;
 
 /// On all axes, marks a point that has no cell (not finite, or out of reach) and is nobody's neighbour.
-const OUTSIDE: i32 = 1 << 24;
+pub const OUTSIDE: i32 = 1 << 24;
 
 /// Points sorted by the bucket of their cell, and by number within a bucket.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,7 +86,7 @@ impl Grid {
 
 fn cell_of(position: [f32; 3], per_unit: f32) -> [i32; 3] {
     let place = position.map(|coordinate| (coordinate * per_unit).floor());
-    let within = place.iter().all(|coordinate| coordinate.abs() < REACH);
+    let within = place.iter().all(|coordinate| coordinate.abs() < CELL_LIMIT);
     if within { place.map(|coordinate| coordinate as i32) } else { [OUTSIDE; 3] }
 }
 
@@ -141,8 +141,8 @@ mod tests {
         assert_eq!(cell(1.0), [1, 0, -1]);
         assert_eq!(cell(-1.0), [-1, 0, -1]);
         assert_eq!(cell(-f32::MIN_POSITIVE), [-1, 0, -1]);
-        assert_eq!(cell(REACH.next_down()), [(1 << 23) - 1, 0, -1]);
-        for outside in [REACH, -REACH, f32::MAX, f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+        assert_eq!(cell(CELL_LIMIT.next_down()), [(1 << 23) - 1, 0, -1]);
+        for outside in [CELL_LIMIT, -CELL_LIMIT, f32::MAX, f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
             assert_eq!(cell(outside), [OUTSIDE; 3], "{outside}");
         }
     }

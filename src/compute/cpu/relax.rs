@@ -10,9 +10,9 @@
 //! its neighbour list alone.
 
 use super::neighbours;
-use crate::compute::{LIST_STEPS, REACH, Relaxation, RelaxationSurface, Tile};
+use crate::compute::{LIST_STEPS, MOST_EDGES, REACH, Relaxation, RelaxationSurface, Tile};
 use crate::geometry::{axis_at, barycentric, cross, dot, unit};
-use crate::surface::{NONE, WALK_EDGES, Walkable, walk_on};
+use crate::surface::{NONE, Walkable, walk_on};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -25,7 +25,7 @@ pub const STEP: f32 = 0.7;
 /// The weight of a diagonal neighbour; one along the axes has 1.
 pub const DIAGONAL: f32 = 0.5;
 /// The first terms of the series of `arcsin(s) / s` in `s^2`: 1/6, 3/40, 15/336.
-const ARC: [f32; 3] = [0.16666667, 0.075, 0.04464286];
+pub const ARC: [f32; 3] = [0.16666667, 0.075, 0.04464286];
 
 /// Takes a batch of steps on the CPU.
 pub fn relax(surface: &RelaxationSurface, tiles: &[Tile], relaxation: &Relaxation) -> Vec<Tile> {
@@ -58,7 +58,7 @@ fn moved(surface: &RelaxationSurface, tiles: &[Tile], list: &[u32], id: u32, sca
     let normal = tile.normal();
     let step = pull * (STEP / weight.max(2.0));
     let step = step - normal * dot(normal, step);
-    let end = walk_on(surface, tile.triangle, tile.at(), step, WALK_EDGES);
+    let end = walk_on(surface, tile.triangle, tile.at(), step, MOST_EDGES);
     let corners = surface.corners(end.triangle as usize);
     let to_corners = barycentric(corners, end.position);
     Tile {
