@@ -1,9 +1,9 @@
 //! The input: triangles read or generated, welded, oriented, with adjacency and features.
 //!
 //! # Practice
-//! Coordinates come in as f64, are recentred and divided by the diagonal of their bounding box, and are f32 from then
-//! on; [`Frame`] puts the transform back in f64 on writing. So a surface far from the origin, or very small or large,
-//! meshes as its recentred, unit-sized copy does.
+//! Coordinates are read as f64, recentred, divided by the diagonal of their bounding box, and stored as f32; [`Frame`] reverts the
+//! transform in f64 for writing. So a surface far from the origin, or very small or large, is meshed as its recentred,
+//! unit-sized copy is.
 
 mod adjacency;
 mod caps;
@@ -66,7 +66,7 @@ impl Frame {
         ((DVec3::from(point) - DVec3::from(self.centre)) / self.diagonal).into()
     }
 
-    /// As [`Frame::to_model`], but rounded to about a millionth of the diagonal: what is left of a place is what is known.
+    /// As [`Frame::to_model`], rounded to about a millionth of the diagonal, the precision of a place.
     pub(crate) fn near(&self, point: [f64; 3]) -> [f64; 3] {
         let step = 10f64.powf(self.diagonal.log10().floor() - 6.0);
         self.to_model(point).map(|x| if step > 0.0 { (x / step).round() * step } else { x })
@@ -149,7 +149,7 @@ pub enum SurfaceError {
     },
 }
 
-/// A place as messages say it: seven significant digits are enough to find it.
+/// A place in messages: seven significant digits are enough to find it.
 pub fn shown(place: &[f64; 3]) -> String {
     let [x, y, z] = place.map(|x| format!("{x:.6e}").parse().unwrap_or(x) + 0.0);
     format!("({x}, {y}, {z})")
@@ -220,8 +220,8 @@ impl Surface {
         Ok(self)
     }
 
-    /// The same surface with the features that tiles of side `h`, unit-sized, can show: ridges become edges of it, and
-    /// creases that are too small go.
+    /// The same surface with the features for tiles of side `h`, unit-sized: ridges become edges, and creases that are too small
+    /// are dropped.
     pub fn fitted(mut self, options: &FeatureOptions, h: f32) -> Self {
         self.features = Features::along(&self, tiny::without_tiny(&self, options.corner, f64::from(h)), options.corner);
         if options.ridge < 180.0 {
@@ -257,7 +257,7 @@ impl Surface {
         &self.regions
     }
 
-    /// What was mended on the way in.
+    /// The repairs that were made.
     pub fn repairs(&self) -> &Repairs {
         &self.repairs
     }

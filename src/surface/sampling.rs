@@ -1,8 +1,8 @@
-//! Points sample_evenly evenly over a surface, each for the same share of its area.
+//! Points spread evenly over a surface, each for the same share of its area.
 //!
 //! # Theory
-//! Systematic sampling: the triangles are laid in a row by area, and points are taken at equal steps. Inside its triangle
-//! a point goes where the sequence of Roberts (*The unreasonable effectiveness of quasirandom sequences*, 2018) has it.
+//! Systematic sampling: points are taken at equal steps of the area summed over the triangles in order. Inside its triangle a
+//! point follows the sequence of Roberts (*The unreasonable effectiveness of quasirandom sequences*, 2018).
 
 use super::{Surface, SurfacePoint};
 

@@ -1,13 +1,13 @@
-//! Moving on the surface: a displacement is laid in its triangle and unfolded across each edge that it crosses.
+//! Geodesic walks: a displacement lies in its triangle's plane and is unfolded across each edge that it crosses.
 //!
-//! The twin of `walk` in `shaders/relax.wgsl`: the same operations in the same order. A walk never jumps to the other
-//! side of a thin part, as a closest-point projection does. At a feature it goes on along it.
+//! The twin of `walk` in `shaders/relax.wgsl`: the same operations in the same order. A walk never jumps to the other side of a
+//! thin part, as a closest-point projection does. At a feature it continues along the feature.
 
 use super::{NONE, Surface, SurfacePoint, next, previous};
 use crate::geometry::{cross, dot, unit};
 use glam::Vec3;
 
-/// Edges that one walk may cross; a displacement over more small triangles than that ends early.
+/// The edges that one walk may cross; a longer one ends early.
 pub(crate) const WALK_EDGES: u32 = 256;
 
 /// Triangles that can be walked on.
@@ -65,7 +65,7 @@ pub(crate) fn walk_on(
         let corners = triangles.corners(t as usize);
         let normal = unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
         let step = heading * left;
-        // The first edge that the rest of the way leaves the triangle by.
+        // The first edge by which the rest of the walk leaves the triangle.
         let (mut exit, mut share) = (NONE, 1.0f32);
         for k in 0..3u32 {
             let h = 3 * t + k;
@@ -171,7 +171,7 @@ mod tests {
         surface.corners(triangle as usize).iter().sum::<Vec3>() / 3.0
     }
 
-    /// How far a footing lies outside its triangle's sides, or off its plane.
+    /// The distance of a point from its triangle, beyond its sides or off its plane.
     fn off(surface: &Surface, foot: &SurfacePoint) -> f32 {
         let [a, b, c] = surface.corners(foot.triangle as usize);
         let normal = surface.normal(foot.triangle as usize);
