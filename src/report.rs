@@ -1,4 +1,4 @@
-//! What there is to say about a mesh, a field or a mosaic, for a program to read; the command line prints the same for a person.
+//! Reports on meshes, fields and mosaics, for programs to read; the command line prints the same for people.
 
 use crate::compute::Backend;
 use crate::field::{self, Field, GuideReport, SingularityLocation, StretchReport};
@@ -68,7 +68,7 @@ pub struct Input {
     pub vertices: usize,
     /// Diagonal of its bounding box, in model units.
     pub diagonal: f64,
-    /// What was mended.
+    /// The repairs that were made.
     pub repairs: Repairs,
     /// Feature curves: creases and open boundaries between corners.
     pub curves: usize,
@@ -100,7 +100,7 @@ pub struct Device {
 /// The cross field.
 #[derive(Clone, Debug, Serialize)]
 pub struct FieldFigures {
-    /// Where the field turns about a point, in no order that matters.
+    /// The singularities, in no particular order.
     pub singularities: Vec<Singularity>,
     /// The sum of their indices: the Euler characteristic.
     pub index_sum: f64,
@@ -111,14 +111,14 @@ pub struct FieldFigures {
     pub stretch: Option<StretchReport>,
 }
 
-/// A point that the field turns about.
+/// A singularity.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Singularity {
     /// Where, in model units.
     pub at: [f64; 3],
-    /// The turn of the field about it, in full turns: a multiple of a quarter.
+    /// The turn of the field around it, in full turns: a multiple of a quarter.
     pub index: f64,
-    /// Whether it is a corner of features, which carries it by its angles, and not the field's own.
+    /// Whether it is a corner of features, by its angles, and not a singularity of the field itself.
     pub on_feature: bool,
 }
 
@@ -131,8 +131,7 @@ pub struct Tiles {
     pub on_features: usize,
     /// Holes (faces of more than four sides) of the connected mosaic, before they were filled.
     pub holes: usize,
-    /// Ends of rows before and after they were led to each other, and the length of the ways; absent where no row crosses
-    /// another.
+    /// Ends of rows before and after they were cancelled, and the length of the paths; absent where no row crosses another.
     pub row_ends: Option<RowEnds>,
     /// How much the sides of the tiles differ.
     pub sides: Option<Sides>,
@@ -173,7 +172,7 @@ pub struct Regularity {
     pub irregular: usize,
     /// Those that the field demands: its singularities, corners of features inside the surface being some of them.
     pub demanded: usize,
-    /// The difference: less than none where singularities share a vertex.
+    /// The difference: negative where singularities share a vertex.
     pub surplus: i64,
 }
 

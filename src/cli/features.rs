@@ -1,4 +1,4 @@
-//! What counts as a feature: arguments that all share who read a surface for its features.
+//! What counts as a feature: arguments of all commands that read a surface for its features.
 
 use super::numbers::degrees;
 use clap::Args;

@@ -1,4 +1,4 @@
-//! What rows are to follow: arguments that `mesh` and `field` share.
+//! The constraints of the field: arguments that `mesh`, `field`, `mosaic`, `picture` and `study` share.
 
 use super::features::FeatureArguments;
 use super::numbers::{degrees, number};
@@ -58,7 +58,7 @@ impl FieldArguments {
     }
 }
 
-/// Says which guides have no effect, or not all of it.
+/// Warns of guides without, or without the whole, effect.
 pub fn warn_of(guides: &[GuideReport]) {
     for guide in guides {
         if let Some(trouble) = &guide.trouble {

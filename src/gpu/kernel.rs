@@ -1,4 +1,4 @@
-//! Kernels, what they are bound to, and batches of dispatches.
+//! Kernels, their bindings, and batches of dispatches.
 
 use super::{Buffer, Gpu, GpuError};
 
@@ -137,7 +137,7 @@ pub struct Kernel {
     pipeline: wgpu::ComputePipeline,
 }
 
-/// Buffers in the places where a [`Program`]'s kernels look for them.
+/// Buffers bound in the order of a [`Program`]'s bindings.
 #[derive(Clone, Debug)]
 pub struct Bindings {
     group: wgpu::BindGroup,
@@ -161,7 +161,7 @@ impl Recording<'_> {
     /// Runs `kernel` with at least `invocations` invocations, in workgroups of [`WORKGROUP`].
     ///
     /// Above 65,535 workgroups the dispatch is two-dimensional: kernels take their number from `invocation_of` in
-    /// `shaders/common.wgsl`, and leave where it is past their last record.
+    /// `shaders/common.wgsl`, and return where it is past their last record.
     pub fn dispatch(&mut self, kernel: &Kernel, bindings: &Bindings, invocations: usize) {
         let [x, y] = workgroups(invocations);
         let mut pass = self.encoder.begin_compute_pass(&Default::default());

@@ -55,7 +55,7 @@ pub fn sample_features(
     samples.at_corners(surface, &curve_parameters.released_ends);
     let mut joined = FxHashSet::default();
     for curve in surface.features().curves() {
-        let path = Path::new(surface, field, curve);
+        let path = CurvePath::new(surface, field, curve);
         let least = {
             // Few intervals must not make a loop of less than three edges, nor two edges between the same two corners.
             let ends = path.ends(surface);
@@ -112,7 +112,7 @@ impl CurveParameters {
         let (mut at_vertices, mut ranges) = (FxHashMap::default(), FxHashMap::default());
         let mut released_ends = FxHashSet::default();
         for curve in surface.features().curves() {
-            let path = Path::new(surface, field, curve);
+            let path = CurvePath::new(surface, field, curve);
             let growth = path.half_edges.iter().zip(&path.vertices).map(|(&h, &v)| {
                 let [at, step] = parametrization.along(h);
                 if surface.origin(h) == v { [at, step] } else { [-at - step, step] }
@@ -154,7 +154,7 @@ impl CurveParameters {
 
 /// A feature curve, run through in the direction, and from the vertex where it is closed, that curves of other sheets at
 /// the same place are run through as well.
-struct Path {
+struct CurvePath {
     vertices: Vec<u32>,
     half_edges: Vec<u32>,
     /// The lengths of the edges, in mean sides of tiles of scale 1.
@@ -164,7 +164,7 @@ struct Path {
     closed: bool,
 }
 
-impl Path {
+impl CurvePath {
     fn new(surface: &Surface, field: &Field, curve: &Curve) -> Self {
         let (mut vertices, mut half_edges) = (curve.vertices.clone(), curve.half_edges.clone());
         let place = |v: u32| surface.same_place(v);
@@ -252,13 +252,13 @@ impl Samples {
     }
 
     /// The intervals of a curve of another sheet at the same place.
-    fn intervals(&self, surface: &Surface, path: &Path) -> Option<usize> {
+    fn intervals(&self, surface: &Surface, path: &CurvePath) -> Option<usize> {
         let [_, count] = *self.of_curves.get(&path.key(surface))?;
         Some(count as usize + usize::from(!path.closed))
     }
 
     /// Adds the samples along a curve, within a range of its parameters where it has one; its corners are left out.
-    fn along(&mut self, surface: &Surface, path: &Path, h: f32, parameters: &[f64], range: Option<[f64; 2]>) {
+    fn along(&mut self, surface: &Surface, path: &CurvePath, h: f32, parameters: &[f64], range: Option<[f64; 2]>) {
         let begun = self.list.len() as u32;
         let (begin, end) = (parameters[0].ceil() as i64, parameters[parameters.len() - 1].floor() as i64);
         let whole = match range {

@@ -1,9 +1,9 @@
 //! Scenes of cross fields: streamlines or crosses on the surface, and singularities.
 //!
 //! # Theory
-//! Streamlines are kept apart after Jobard and Lefer (*Creating evenly-spaced streamlines of arbitrary density*, 1997): one
-//! begins where no other that runs alike is near, and ends where it comes near to one. The lines of a cross field are of no
-//! two families that could be told apart everywhere, so that only their directions are compared.
+//! Streamlines are spaced after Jobard and Lefer (*Creating evenly-spaced streamlines of arbitrary density*, 1997): one begins
+//! where no other in the same direction is near, and ends where it comes near to one. The lines of a cross field do not fall into
+//! two families, so that only directions are compared.
 
 use super::mesh::surface_scene;
 use super::{Colour, Pen, Scene};
@@ -24,10 +24,10 @@ pub enum FieldStyle {
     Crosses,
 }
 
-/// So many crosses, or distances between streamlines squared, make a surface.
+/// The crosses on a surface, and the squares of the distance between streamlines that cover it.
 const CROSSES: f64 = 1_500.0;
 const STREAMS: f64 = 4_000.0;
-/// Places at which a cross, or a line, is tried, for each that may be drawn.
+/// Points at which a cross, or a line, is tried, for each that may be drawn.
 const TRIES: f64 = 12.0;
 /// Half the length of a cross's arm, in distances between crosses.
 const ARM: f32 = 0.38;
@@ -37,7 +37,7 @@ const STEPS: i32 = 4;
 const LONGEST: i32 = 400;
 /// A streamline ends where it is nearer than this to another, in distances.
 const NEAREST: f32 = 0.6;
-/// Lines lie so high above the surface, in distances.
+/// The height of lines above the surface, in distances.
 const LIFT: f32 = 0.03;
 /// Directions and normals that are alike have at least this cosine.
 const ALIKE: f32 = 0.7;
@@ -70,13 +70,13 @@ pub fn field_scene(surface: &Surface, field: &Field, style: FieldStyle) -> Scene
 
 /// A point of a line: in a triangle, and raised above it.
 #[derive(Clone, Copy)]
-struct Post {
+struct RaisedPoint {
     point: SurfacePoint,
     normal: Vec3,
     raised: Vec3,
 }
 
-impl Post {
+impl RaisedPoint {
     fn new(surface: &Surface, point: SurfacePoint, lift: f32) -> Self {
         let normal = surface.normal(point.triangle as usize);
         Self { point, normal, raised: point.position + normal * lift }
@@ -102,24 +102,24 @@ impl Post {
 }
 
 /// Points in an order that fills the surface evenly from the first on.
-fn tries(surface: &Surface, count: f64) -> Vec<SurfacePoint> {
+fn candidates(surface: &Surface, count: f64) -> Vec<SurfacePoint> {
     let points = sample_evenly(surface, (count * TRIES) as usize);
     let bits = points.len().next_power_of_two().trailing_zeros().max(1);
     let order = (0..1_usize << bits).map(|number| number.reverse_bits() >> (usize::BITS - bits));
     order.filter_map(|number| points.get(number).copied()).collect()
 }
 
-fn crosses(surface: &Surface, field: &Field) -> Vec<[Post; 2]> {
+fn crosses(surface: &Surface, field: &Field) -> Vec<[RaisedPoint; 2]> {
     let apart = (surface.area() / CROSSES).sqrt() as f32;
-    let mut crowd = Crowd::new(apart);
+    let mut marks = MarkGrid::new(apart);
     let mut segments = Vec::new();
-    for point in tries(surface, CROSSES) {
-        let post = Post::new(surface, point, LIFT * apart);
+    for point in candidates(surface, CROSSES) {
+        let post = RaisedPoint::new(surface, point, LIFT * apart);
         let mark = Mark { position: point.position, normal: post.normal, way: Vec3::ZERO, line: 0, step: 0 };
-        if crowd.any_near(point.position, 0.85 * apart, |other| dot(other.normal, post.normal) > 0.0) {
+        if marks.any_near(point.position, 0.85 * apart, |other| dot(other.normal, post.normal) > 0.0) {
             continue;
         }
-        crowd.add(mark);
+        marks.add(mark);
         let axis = field.axis(surface, point.triangle, point.position);
         let other = cross(post.normal, axis);
         for way in [axis, other, -axis, -other] {
@@ -129,21 +129,21 @@ fn crosses(surface: &Surface, field: &Field) -> Vec<[Post; 2]> {
     segments
 }
 
-fn streamlines(surface: &Surface, field: &Field) -> Vec<[Post; 2]> {
+fn streamlines(surface: &Surface, field: &Field) -> Vec<[RaisedPoint; 2]> {
     let apart = (surface.area() / STREAMS).sqrt() as f32;
     let (step, lift) = (apart / STEPS as f32, LIFT * apart);
-    let mut crowd = Crowd::new(apart);
+    let mut marks = MarkGrid::new(apart);
     let mut segments = Vec::new();
     let mut line = 0;
-    for point in tries(surface, STREAMS) {
-        let seed = Post::new(surface, point, lift);
+    for point in candidates(surface, STREAMS) {
+        let seed = RaisedPoint::new(surface, point, lift);
         let axis = field.axis(surface, point.triangle, point.position);
         for way in [axis, cross(seed.normal, axis)] {
             let begin = Mark { position: point.position, normal: seed.normal, way, line, step: 0 };
-            if crowd.any_near(point.position, 0.9 * apart, |other| other.runs_as(&begin)) {
+            if marks.any_near(point.position, 0.9 * apart, |other| other.runs_as(&begin)) {
                 continue;
             }
-            crowd.add(begin);
+            marks.add(begin);
             for sign in [1, -1] {
                 let (mut post, mut way) = (seed, way * sign as f32);
                 for number in 1..=LONGEST {
@@ -154,10 +154,10 @@ fn streamlines(surface: &Surface, field: &Field) -> Vec<[Post; 2]> {
                     let hindered = |other: &Mark| {
                         other.runs_as(&mark) && (other.line != line || (other.step - mark.step).abs() > 3 * STEPS)
                     };
-                    if crowd.any_near(mark.position, NEAREST * apart, hindered) {
+                    if marks.any_near(mark.position, NEAREST * apart, hindered) {
                         break;
                     }
-                    crowd.add(mark);
+                    marks.add(mark);
                     segments.push([post, next]);
                     post = next;
                 }
@@ -186,12 +186,12 @@ impl Mark {
 }
 
 /// Marks by the cells of a grid.
-struct Crowd {
+struct MarkGrid {
     cell: f32,
     cells: FxHashMap<[i32; 3], Vec<Mark>>,
 }
 
-impl Crowd {
+impl MarkGrid {
     fn new(cell: f32) -> Self {
         Self { cell, cells: FxHashMap::default() }
     }
