@@ -3,7 +3,9 @@
 mod common;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use quadmosaic::mosaic::{Effort, Relaxation, relax};
+use quadmosaic::compute::Relaxation;
+use quadmosaic::compute::cpu::relax::relax;
+use quadmosaic::mosaic::Effort;
 
 fn bench(criterion: &mut Criterion) {
     let surface = common::surface();
@@ -11,7 +13,8 @@ fn bench(criterion: &mut Criterion) {
     criterion.bench_function("mosaic", |b| b.iter(|| common::mosaic(&surface, &field)));
     let tiles = common::mosaic(&surface, &field).tiles;
     let batch = Relaxation::new(Effort::default().steps, tiles[0].h, field.sizes());
-    criterion.bench_function("mosaic/relax", |b| b.iter(|| relax::relax(&surface, &field, &tiles, &batch)));
+    let surface = field.relaxation_surface(&surface);
+    criterion.bench_function("mosaic/relax", |b| b.iter(|| relax(&surface, &tiles, &batch)));
 }
 
 criterion_group! { name = benches; config = common::criterion(); targets = bench }

@@ -1,6 +1,6 @@
 // What all kernels share; it is joined before each of them.
 
-// The Rust side has the same number: `gpu::WORKGROUP`.
+// Numbers that stand in Rust too are compared by tests/shaders.rs.
 const WORKGROUP: u32 = 256u;
 
 // The number of an invocation; dispatches of more than 65,535 workgroups are two-dimensional.
@@ -15,7 +15,7 @@ fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// ---- Tiles: the same record and numbers as in src/mosaic ----
+// ---- Tiles: the same record and numbers as in src/compute/tiles.rs ----
 
 struct Tile {
     position: vec3<f32>,
@@ -29,9 +29,9 @@ struct Tile {
 // How far a tile sees, how much further its neighbour list goes, in tile sides, and the longest list.
 const REACH: f32 = 1.75;
 const SKIN: f32 = 0.2;
-const SLOTS: u32 = 16u;
+const LIST_LENGTH: u32 = 16u;
 
-// ---- The neighbour grid: the twin of src/mosaic/grid.rs ----
+// ---- The neighbour grid: the twin of src/compute/cpu/grid.rs ----
 
 struct Grid {
     // The number of points.
@@ -46,14 +46,14 @@ struct Grid {
 
 // Cells lie within +-2^23; past it an f32 has no fraction left. OUTSIDE on all axes marks a point that has no cell, and
 // is nobody's neighbour.
-const REACH_BITS: u32 = 0x4b000000u; // the bits of 2^23
+const CELL_LIMIT_BITS: u32 = 0x4b000000u; // the bits of 2^23
 const OUTSIDE: i32 = 16777216;
 
 fn cell_of(position: vec3<f32>, per_unit: f32) -> vec3<i32> {
     let place = floor(position * per_unit);
     // Judged by its bits: a device may assume that no number is NaN or infinite.
     let magnitude = bitcast<vec3<u32>>(place) & vec3<u32>(0x7fffffffu);
-    if any(magnitude >= vec3<u32>(REACH_BITS)) {
+    if any(magnitude >= vec3<u32>(CELL_LIMIT_BITS)) {
         return vec3<i32>(OUTSIDE);
     }
     return vec3<i32>(place);

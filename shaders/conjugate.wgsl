@@ -1,4 +1,5 @@
-// The vectors and scalar products of conjugate gradients; the twin of `descend` and `product` in src/field/smooth.rs.
+// The scalar products and the vectors of conjugate gradients; the twin of src/compute/cpu/conjugate.rs and of `descend` in
+// src/compute/cpu/multigrid.rs.
 
 struct Sum {
     // The number of values, or of sums that are summed up.
@@ -79,7 +80,7 @@ fn ratio() -> f32 {
 
 // changed <- first + ratio changed
 @compute @workgroup_size(WORKGROUP)
-fn turn(
+fn direction(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,

@@ -1,5 +1,5 @@
 // Sorts points into the buckets of a hashed uniform grid by counting: count, scan (three kernels), scatter, order.
-// The twin of `Grid::build` in src/mosaic/grid.rs.
+// The twin of `Grid::build` in src/compute/cpu/grid.rs.
 
 @group(0) @binding(0) var<uniform> grid: Grid;
 @group(0) @binding(1) var<storage, read> tiles: array<vec4<f32>>;

@@ -1,5 +1,5 @@
 // The tiles that each free tile may see during some steps.
-// The twin of src/mosaic/neighbours.rs: the same ids in the same order.
+// The twin of src/compute/cpu/neighbours.rs: the same ids in the same order.
 
 @group(0) @binding(0) var<uniform> grid: Grid;
 @group(0) @binding(1) var<storage, read> tiles: array<Tile>;
@@ -27,7 +27,7 @@ fn list(
             for (var part = 0u; part < 2u; part++) {
                 let run = run_of(row, part, grid.mask);
                 let end = starts[run.y];
-                for (var slot = starts[run.x]; slot < end && length < SLOTS; slot++) {
+                for (var slot = starts[run.x]; slot < end && length < LIST_LENGTH; slot++) {
                     let other = ids[slot];
                     let near = tiles[other];
                     if other != id && is_near(tile, near) && in_row(cell_of(near.position, grid.per_unit), row) {
@@ -38,7 +38,7 @@ fn list(
             }
         }
     }
-    if length < SLOTS {
+    if length < LIST_LENGTH {
         lists[length * grid.count + id] = NONE;
     }
 }

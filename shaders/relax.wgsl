@@ -1,6 +1,6 @@
 // One step of relaxation: tiles push and pull each other into rows and walk on the surface.
-// The twin of src/mosaic/relax.rs, src/surface/walk.rs, `Sizes::at` and `axis_at` in src/field/mod.rs: the same operations in the
-// same order, so that both give the same bits where the device rounds as IEEE 754 does.
+// The twin of src/compute/cpu/relax.rs, src/surface/walk.rs and src/geometry.rs: the same operations in the same order, so that
+// both give the same bits where the device rounds as IEEE 754 does.
 
 // A triangle of the surface. `beyond`: the opposite half-edge of each half-edge; NONE where it may not be crossed.
 struct Triangle {
@@ -21,12 +21,12 @@ struct Triangle {
 // The scale of the tiles' sizes.
 @group(0) @binding(7) var<uniform> scale: f32;
 
-// The same numbers stand in src/mosaic/relax.rs and src/surface/walk.rs.
+// The same numbers stand in src/compute; tests/shaders.rs compares them.
 const LEAST_COSINE: f32 = 0.2;
 const SHEET: f32 = 0.6;
 const STEP: f32 = 0.7;
 const DIAGONAL: f32 = 0.5;
-const WALK_EDGES: u32 = 256u;
+const MOST_EDGES: u32 = 256u;
 const ARC: vec3<f32> = vec3<f32>(0.16666667, 0.075, 0.04464286);
 
 fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
@@ -67,7 +67,7 @@ fn corner(triangle: u32, k: u32) -> vec3<f32> {
 }
 
 // How far a point of a triangle is towards its second and third corner, in shares of the way from the first.
-fn shares(triangle: u32, position: vec3<f32>) -> vec2<f32> {
+fn barycentric(triangle: u32, position: vec3<f32>) -> vec2<f32> {
     let a = corner(triangle, 0u);
     let b = corner(triangle, 1u);
     let c = corner(triangle, 2u);
@@ -104,18 +104,18 @@ fn axis_at(triangle: u32, share: vec2<f32>) -> vec3<f32> {
 
 // ---- Walking ----
 
-struct Footing {
+struct SurfacePoint {
     triangle: u32,
     position: vec3<f32>,
 }
 
-fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -> Footing {
+fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -> SurfacePoint {
     var t = from_triangle;
     var p = from_position;
     var heading = displacement;
     var left = 1.0;
     var entered = NONE;
-    for (var edge = 0u; edge < WALK_EDGES; edge++) {
+    for (var edge = 0u; edge < MOST_EDGES; edge++) {
         var corners = array<vec3<f32>, 3>(corner(t, 0u), corner(t, 1u), corner(t, 2u));
         let normal = unit(cross3(corners[1] - corners[0], corners[2] - corners[0]));
         let way = heading * left;
@@ -139,7 +139,7 @@ fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -
         }
         p += way * share;
         if exit == NONE {
-            return Footing(t, p - normal * dot3(normal, p - corners[0]));
+            return SurfacePoint(t, p - normal * dot3(normal, p - corners[0]));
         }
         left *= 1.0 - share;
         let k = exit % 3u;
@@ -160,7 +160,7 @@ fn walk(from_triangle: u32, from_position: vec3<f32>, displacement: vec3<f32>) -
     }
     let a = corner(t, 0u);
     let normal = unit(cross3(corner(t, 1u) - a, corner(t, 2u) - a));
-    return Footing(t, p - normal * dot3(normal, p - a));
+    return SurfacePoint(t, p - normal * dot3(normal, p - a));
 }
 
 // ---- The force ----
@@ -255,7 +255,7 @@ fn relax(
     }
     var pull = vec3<f32>(0.0);
     var weight = 0.0;
-    for (var slot = 0u; slot < SLOTS; slot++) {
+    for (var slot = 0u; slot < LIST_LENGTH; slot++) {
         let other = lists[slot * grid.count + id];
         if other == NONE {
             break;
@@ -276,7 +276,7 @@ fn relax(
     result.position = foot.position;
     result.triangle = foot.triangle;
     result.normal = unit(cross3(corner(foot.triangle, 1u) - a, corner(foot.triangle, 2u) - a));
-    let share = shares(foot.triangle, foot.position);
+    let share = barycentric(foot.triangle, foot.position);
     result.h = scale * size_at(foot.triangle, share);
     result.axis = axis_at(foot.triangle, share);
     moved[id] = result;

@@ -1,4 +1,4 @@
-// The equations of the cross field on one level of the hierarchy; the twin of src/field/smooth.rs.
+// The equations of one level: residuals and Jacobi sweeps; the twin of src/compute/cpu/smooth.rs.
 
 struct Sweep {
     // The number of unknowns on this level.
@@ -12,8 +12,8 @@ struct Row {
     start: u32,
     // What its own value is multiplied by; 0: its value is fixed.
     diagonal: f32,
-    // The part of the diagonal that draws it to itself.
-    anchor: f32,
+    // The part of the diagonal that draws it to itself: a mass over a time step.
+    mass: f32,
 }
 
 struct Link {
@@ -26,18 +26,18 @@ struct Link {
 @group(0) @binding(0) var<uniform> sweep: Sweep;
 @group(0) @binding(1) var<storage, read> rows: array<Row>;
 @group(0) @binding(2) var<storage, read> links: array<Link>;
-@group(0) @binding(3) var<storage, read> pulls: array<vec2<f32>>;
+@group(0) @binding(3) var<storage, read> right_hand_side: array<vec2<f32>>;
 @group(0) @binding(4) var<storage, read> wanted: array<vec2<f32>>;
 @group(0) @binding(5) var<storage, read> values: array<vec2<f32>>;
-@group(0) @binding(6) var<storage, read_write> made: array<vec2<f32>>;
+@group(0) @binding(6) var<storage, read_write> result: array<vec2<f32>>;
 
-// The same numbers stand in src/field/smooth.rs.
-const HEARD: f32 = 0.45;
-const LEAST_LENGTH: f32 = 1e-18;
+// The same numbers stand in src/compute; tests/shaders.rs compares them.
+const TARGET_LENGTH: f32 = 0.45;
+const NEGLIGIBLE: f32 = 1e-18;
 const MIRRORED: u32 = 0x80000000u;
 
-// What is left of `asked` once a row of the values has got its part; nothing on a fixed one.
-fn left_of(asked: vec2<f32>, id: u32) -> vec2<f32> {
+// What is left of `asked` once a row's part of the values is taken off; nothing on a fixed one.
+fn remainder_of(asked: vec2<f32>, id: u32) -> vec2<f32> {
     let diagonal = rows[id].diagonal;
     if diagonal == 0.0 {
         return vec2<f32>(0.0, 0.0);
@@ -54,7 +54,7 @@ fn left_of(asked: vec2<f32>, id: u32) -> vec2<f32> {
     return sum;
 }
 
-// A value moved by a step of its residual.
+// A value moved by `step` times its residual over the diagonal.
 fn stepped(z: vec2<f32>, residual: vec2<f32>, id: u32) -> vec2<f32> {
     let diagonal = rows[id].diagonal;
     if diagonal == 0.0 {
@@ -64,38 +64,38 @@ fn stepped(z: vec2<f32>, residual: vec2<f32>, id: u32) -> vec2<f32> {
     return z + factor * residual;
 }
 
-// The residual of crosses whose anchors draw them to what they are.
-fn unsettled(id: u32) -> vec2<f32> {
+// The residual of values that mass terms draw to themselves.
+fn residual_of(id: u32) -> vec2<f32> {
     var z = values[id];
     let length = sqrt(z.x * z.x + z.y * z.y);
-    if length > LEAST_LENGTH && length < HEARD {
-        z = z / length * HEARD;
+    if length > NEGLIGIBLE && length < TARGET_LENGTH {
+        z = z / length * TARGET_LENGTH;
     }
-    return left_of(pulls[id] + rows[id].anchor * z, id);
+    return remainder_of(right_hand_side[id] + rows[id].mass * z, id);
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn begin(
+fn residual(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
     let id = invocation_of(group, groups, local);
     if id < sweep.count {
-        made[id] = unsettled(id);
+        result[id] = residual_of(id);
     }
 }
 
 // A sweep from zero.
 @compute @workgroup_size(WORKGROUP)
-fn sweep_first(
+fn first_sweep(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
     let id = invocation_of(group, groups, local);
     if id < sweep.count {
-        made[id] = stepped(vec2<f32>(0.0, 0.0), wanted[id], id);
+        result[id] = stepped(vec2<f32>(0.0, 0.0), wanted[id], id);
     }
 }
 
@@ -107,19 +107,19 @@ fn sweep_again(
 ) {
     let id = invocation_of(group, groups, local);
     if id < sweep.count {
-        made[id] = stepped(values[id], left_of(wanted[id], id), id);
+        result[id] = stepped(values[id], remainder_of(wanted[id], id), id);
     }
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn leave(
+fn remainder(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
     let id = invocation_of(group, groups, local);
     if id < sweep.count {
-        made[id] = left_of(wanted[id], id);
+        result[id] = remainder_of(wanted[id], id);
     }
 }
 
@@ -131,13 +131,13 @@ fn apply(
 ) {
     let id = invocation_of(group, groups, local);
     if id < sweep.count {
-        made[id] = -left_of(vec2<f32>(0.0, 0.0), id);
+        result[id] = -remainder_of(vec2<f32>(0.0, 0.0), id);
     }
 }
 
-// A sweep of the crosses themselves, normalised.
+// A sweep of the values themselves; then they are divided by their moduli.
 @compute @workgroup_size(WORKGROUP)
-fn flow(
+fn normalised_sweep(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
@@ -146,10 +146,10 @@ fn flow(
     if id >= sweep.count {
         return;
     }
-    var z = stepped(values[id], unsettled(id), id);
+    var z = stepped(values[id], residual_of(id), id);
     let length = sqrt(z.x * z.x + z.y * z.y);
-    if length > LEAST_LENGTH {
+    if length > NEGLIGIBLE {
         z = z / length;
     }
-    made[id] = z;
+    result[id] = z;
 }

@@ -1,5 +1,4 @@
-// Values carried between a level of the field's hierarchy and the next coarser one; the twin of `carried` and `gathered`
-// in src/field/smooth.rs.
+// Values carried between a level and the next coarser one; the twin of src/compute/cpu/transfer.rs.
 
 struct Transfer {
     // The number of unknowns on the finer level.
@@ -12,9 +11,10 @@ struct Row {
     start: u32,
     // 0: the value is fixed.
     diagonal: f32,
-    anchor: f32,
+    mass: f32,
 }
 
+// The same number stands in src/compute; tests/shaders.rs compares them.
 const MIRRORED: u32 = 0x80000000u;
 
 struct Parent {
@@ -27,13 +27,13 @@ struct Parent {
 @group(0) @binding(0) var<uniform> transfer: Transfer;
 @group(0) @binding(1) var<storage, read> rows: array<Row>;
 @group(0) @binding(2) var<storage, read> parents: array<Parent>;
-// Where the members of each coarse unknown start, and after the last one their number.
-@group(0) @binding(3) var<storage, read> families: array<u32>;
+// Where the members of each coarse unknown, an aggregate, start, and after the last one their number.
+@group(0) @binding(3) var<storage, read> aggregate_starts: array<u32>;
 @group(0) @binding(4) var<storage, read> members: array<u32>;
 @group(0) @binding(5) var<storage, read> values: array<vec2<f32>>;
-@group(0) @binding(6) var<storage, read_write> made: array<vec2<f32>>;
+@group(0) @binding(6) var<storage, read_write> result: array<vec2<f32>>;
 
-fn carried(z: vec2<f32>, id: u32) -> vec2<f32> {
+fn interpolated(z: vec2<f32>, id: u32) -> vec2<f32> {
     let parent = parents[id];
     var c = values[parent.index & ~MIRRORED];
     c.y = select(c.y, -c.y, (parent.index & MIRRORED) != 0u);
@@ -52,7 +52,7 @@ fn prolong(
 ) {
     let id = invocation_of(group, groups, local);
     if id < transfer.fine && rows[id].diagonal != 0.0 {
-        made[id] = carried(vec2<f32>(0.0, 0.0), id);
+        result[id] = interpolated(vec2<f32>(0.0, 0.0), id);
     }
 }
 
@@ -65,11 +65,11 @@ fn correct(
 ) {
     let id = invocation_of(group, groups, local);
     if id < transfer.fine && rows[id].diagonal != 0.0 {
-        made[id] = carried(made[id], id);
+        result[id] = interpolated(result[id], id);
     }
 }
 
-// The sum of the finer level's values over each family, in its frame.
+// The sum of the finer level's values over each aggregate, in its frame.
 @compute @workgroup_size(WORKGROUP)
 fn gather(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -81,8 +81,8 @@ fn gather(
         return;
     }
     var sum = vec2<f32>(0.0, 0.0);
-    let end = families[id + 1u];
-    for (var m = families[id]; m < end; m++) {
+    let end = aggregate_starts[id + 1u];
+    for (var m = aggregate_starts[id]; m < end; m++) {
         let member = members[m];
         let parent = parents[member];
         var z = values[member];
@@ -90,5 +90,5 @@ fn gather(
         z = select(z, -z, (parent.index & MIRRORED) != 0u);
         sum.y = sum.y + parent.turn_x * z.y - parent.turn_y * z.x;
     }
-    made[id] = sum;
+    result[id] = sum;
 }

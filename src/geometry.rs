@@ -50,6 +50,27 @@ pub(crate) fn fourth_root(z: [f32; 2]) -> (f32, f32) {
     }
 }
 
+/// How far a point of a triangle is towards its second and third corner: its barycentric coordinates there, from 0 to 1.
+pub(crate) fn barycentric([a, b, c]: [Vec3; 3], position: Vec3) -> [f32; 2] {
+    let double_area = cross(b - a, c - a);
+    let normal = unit(double_area);
+    let total = dot(double_area, normal);
+    let to_b = (-dot(cross(c - a, position - a), normal) / total).clamp(0.0, 1.0);
+    let to_c = (dot(cross(b - a, position - a), normal) / total).clamp(0.0, 1.0);
+    [to_b, to_c]
+}
+
+/// One direction of the cross at a point of a triangle with these barycentric coordinates at its second and third corner;
+/// `z` are the crosses at its corners, against its first edge.
+pub(crate) fn axis_at([a, b, c]: [Vec3; 3], z: [[f32; 2]; 3], [wb, wc]: [f32; 2]) -> Vec3 {
+    let normal = unit(cross(b - a, c - a));
+    let wa = (1.0 - wb - wc).max(0.0);
+    let blend = [z[0][0] * wa + z[1][0] * wb + z[2][0] * wc, z[0][1] * wa + z[1][1] * wb + z[2][1] * wc];
+    let (x, y) = fourth_root(blend);
+    let first = unit(b - a);
+    first * x + cross(normal, first) * y
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

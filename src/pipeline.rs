@@ -16,8 +16,9 @@ use crate::mesh::finish::{Finished, finish, joined};
 use crate::mesh::relocate::relocate;
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Context, Mesh, SurfaceMesh, Triangulation};
-use crate::mosaic::fitting::{bounded, fitting};
-use crate::mosaic::{self, Effort, Layer, Mosaic, Rows};
+use crate::mosaic::{self, Effort, Mosaic, MosaicBuilder};
+use crate::parametrize::Rows;
+use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
 use crate::sizes::{SizeOptions, Sizes, SizesError};
 use crate::surface::{FeatureOptions, NamedEdge, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
@@ -344,10 +345,10 @@ pub fn field(
     if options.fit == 0.0 {
         return Ok(field.with_sizes(sizes));
     }
-    let fitting = fitting(surface, &field, options.fit_range, backend)?;
+    let fitting = integrable_sizes(surface, &field, options.fit_range, backend)?;
     let mut fitting: Vec<f32> = fitting.iter().map(|log| (options.fit * log).exp() as f32).collect();
     let side = f64::from(mosaic::side_for_count(surface, count));
-    bounded(surface, side, &mut fitting);
+    limit_chord_error(surface, side, &mut fitting);
     let fitting = Sizes::from_vertices(surface, fitting)?.limited(surface, side, options.sizes.growth);
     Ok(field.with_sizes(sizes.times(&fitting)))
 }
@@ -364,9 +365,7 @@ pub fn lay(
     options: &Options,
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
-    let ground = backend.ground(surface, field)?;
-    Layer { surface, field, backend, ground: &*ground, effort: Effort::default(), rows: options.rows, progress }
-        .with_count(count)
+    MosaicBuilder { surface, field, backend, effort: Effort::default(), rows: options.rows, progress }.with_count(count)
 }
 
 /// Before long work: what can be known of the aspect without the surface.

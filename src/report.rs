@@ -1,15 +1,15 @@
-//! What there is to say about a mesh, a field or a mosaic, for a program to read; the command line prints the same for a person.
+//! Reports on meshes, fields and mosaics, for programs to read; the command line prints the same for people.
 
 use crate::compute::Backend;
-use crate::field::{self, Field, GuideReport, Seat, StretchReport};
+use crate::field::{self, Field, GuideReport, SingularityLocation, StretchReport};
 use crate::mesh::Mesh;
 use crate::mesh::check::{Faults, Kind, check};
 use crate::mesh::compare::{Comparison, Difference, check_against};
 use crate::mesh::connectivity::EditCounts;
 use crate::mesh::quality::Quality;
 use crate::mesh::triangulate::Triangulation;
-use crate::mosaic::phases::RowEnds;
-use crate::mosaic::{Mosaic, fit::Fit};
+use crate::mosaic::{Mosaic, quality::TileQuality};
+use crate::parametrize::RowEnds;
 use crate::pipeline::{Fineness, Options, Outcome};
 use crate::surface::{Repairs, Surface};
 use rustc_hash::FxHashSet;
@@ -67,7 +67,7 @@ pub struct Input {
     pub vertices: usize,
     /// Diagonal of its bounding box, in model units.
     pub diagonal: f64,
-    /// What was mended.
+    /// The repairs that were made.
     pub repairs: Repairs,
     /// Feature curves: creases and open boundaries between corners.
     pub curves: usize,
@@ -99,7 +99,7 @@ pub struct Device {
 /// The cross field.
 #[derive(Clone, Debug, Serialize)]
 pub struct FieldFigures {
-    /// Where the field turns about a point, in no order that matters.
+    /// The singularities, in no particular order.
     pub singularities: Vec<Singularity>,
     /// The sum of their indices: the Euler characteristic.
     pub index_sum: f64,
@@ -110,14 +110,14 @@ pub struct FieldFigures {
     pub stretch: Option<StretchReport>,
 }
 
-/// A point that the field turns about.
+/// A singularity.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Singularity {
     /// Where, in model units.
     pub at: [f64; 3],
-    /// The turn of the field about it, in full turns: a multiple of a quarter.
+    /// The turn of the field around it, in full turns: a multiple of a quarter.
     pub index: f64,
-    /// Whether it is a corner of features, which carries it by its angles, and not the field's own.
+    /// Whether it is a corner of features, by its angles, and not a singularity of the field itself.
     pub on_feature: bool,
 }
 
@@ -130,8 +130,7 @@ pub struct Tiles {
     pub on_features: usize,
     /// Holes (faces of more than four sides) of the connected mosaic, before they were filled.
     pub holes: usize,
-    /// Ends of rows before and after they were led to each other, and the length of the ways; absent where no row crosses
-    /// another.
+    /// Ends of rows before and after they were cancelled, and the length of the paths; absent where no row crosses another.
     pub row_ends: Option<RowEnds>,
     /// How much the sides of the tiles differ.
     pub sides: Option<Sides>,
@@ -172,7 +171,7 @@ pub struct Regularity {
     pub irregular: usize,
     /// Those that the field demands: its singularities, corners of features inside the surface being some of them.
     pub demanded: usize,
-    /// The difference: less than none where singularities share a vertex.
+    /// The difference: negative where singularities share a vertex.
     pub surplus: i64,
 }
 
@@ -182,8 +181,8 @@ impl Regularity {
             .filter(|&h| surface.twin(h).is_none())
             .flat_map(|h| [surface.origin(h), surface.target(h)])
             .collect();
-        let is_inside = |seat| !matches!(seat, Seat::Corner(vertex) if open.contains(&vertex));
-        let demanded = field.singularities(surface).iter().filter(|one| is_inside(one.seat)).count();
+        let is_inside = |location| !matches!(location, SingularityLocation::Corner(vertex) if open.contains(&vertex));
+        let demanded = field.singularities(surface).iter().filter(|one| is_inside(one.location)).count();
         let irregular = mesh.irregular_vertices;
         Self { irregular, demanded, surplus: irregular as i64 - demanded as i64 }
     }
@@ -213,7 +212,7 @@ impl Report {
             field: FieldFigures::new(surface, &outcome.field),
             mosaic: Tiles {
                 tiles: outcome.mosaic.count(),
-                on_features: outcome.mosaic.sites.len(),
+                on_features: outcome.mosaic.feature_samples.len(),
                 holes: meshed.holes,
                 row_ends: outcome.mosaic.row_ends,
                 sides: Sides::of(&outcome.triangulation),
@@ -289,7 +288,7 @@ pub struct MosaicReport {
     /// Those of them that lie on features.
     pub on_features: usize,
     /// How well they sit.
-    pub fit: Fit,
+    pub fit: TileQuality,
 }
 
 impl MosaicReport {
@@ -299,7 +298,7 @@ impl MosaicReport {
         options: &Options,
         backend: &dyn Backend,
         (surface, field, mosaic): (&Surface, &Field, &Mosaic),
-        fit: Fit,
+        fit: TileQuality,
     ) -> Self {
         Self {
             version: VERSION,
@@ -309,7 +308,7 @@ impl MosaicReport {
             backend: Device::new(backend),
             field: FieldFigures::new(surface, field),
             tiles: mosaic.count(),
-            on_features: mosaic.sites.len(),
+            on_features: mosaic.feature_samples.len(),
             fit,
         }
     }
@@ -405,7 +404,7 @@ impl FieldFigures {
         let singularity = |singularity: &field::Singularity| Singularity {
             at: surface.frame().to_model(singularity.position),
             index: singularity.index(),
-            on_feature: matches!(singularity.seat, Seat::Corner(_)),
+            on_feature: matches!(singularity.location, SingularityLocation::Corner(_)),
         };
         Self {
             singularities: found.iter().map(singularity).collect(),

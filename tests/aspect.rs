@@ -5,14 +5,14 @@ mod common;
 use common::surfaces::{example, flat};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
+use quadmosaic::export::tile_mesh;
 use quadmosaic::field::{Guide, StretchError, StretchReport};
 use quadmosaic::gpu::GpuBackend;
 use quadmosaic::mesh::Mesh;
 use quadmosaic::mesh::check::check;
 use quadmosaic::mesh::quality::Quality;
-use quadmosaic::mosaic::Rows;
-use quadmosaic::mosaic::fit::Fit;
-use quadmosaic::mosaic::squares::squares;
+use quadmosaic::mosaic::quality::TileQuality;
+use quadmosaic::parametrize::Rows;
 use quadmosaic::pipeline::{Fineness, Options, Outcome, PipelineError, run};
 use quadmosaic::sizes::SizeSample;
 use quadmosaic::surface::Soup;
@@ -265,10 +265,10 @@ fn a_part_that_no_guide_reaches_has_squares() {
 fn rectangles_cover_the_surface_once() {
     let guide = Guide::vector([1.5, 1.5, 0.0], [1.0, 0.0, 0.0]);
     let made = outcome(&flat(30, 30, 0.1), &options(guide, 4.0, Rows::Paper));
-    let fit = Fit::of(&made.surface, &made.mosaic);
+    let fit = TileQuality::of(&made.surface, &made.mosaic);
     assert!(fit.coverage > 0.97 && fit.overlap < 0.03, "{fit:?}");
     assert!(fit.straightness < 0.5, "{}", fit.straightness);
-    let (tiles, _) = squares(&made.surface, &made.mosaic, 0.2);
+    let (tiles, _) = tile_mesh(&made.surface, &made.mosaic, 0.2);
     // Those on the rim are halves and quarters.
     let inner: Vec<f64> = sides(&tiles)
         .iter()

@@ -6,7 +6,7 @@ use common::surfaces::{example, surface};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
 use quadmosaic::export::{write_field_ply, write_field_vtk};
-use quadmosaic::field::{Field, FieldOptions, Seat};
+use quadmosaic::field::{Field, FieldOptions, SingularityLocation};
 use quadmosaic::surface::Surface;
 use std::collections::HashMap;
 
@@ -154,7 +154,7 @@ fn a_vtk_file_has_the_field_the_features_and_the_singularities() {
             };
             let beside: Vec<bool> = (0..cells.len()).filter(|&i| kind[i] == 0.0).filter_map(follows).collect();
             assert!(beside.len() > 10 && beside.iter().all(|&follows| follows), "{beside:?}");
-            assert!(singularities.iter().any(|s| matches!(s.seat, Seat::Corner(_))));
+            assert!(singularities.iter().any(|s| matches!(s.location, SingularityLocation::Corner(_))));
         }
     }
 }

@@ -4,9 +4,9 @@ mod common;
 
 use common::surfaces::{EXAMPLES, example, flat, surface, unit_corners};
 use glam::DVec3;
-use quadmosaic::compute::Cpu;
-use quadmosaic::field::{Align, Complex, Field, FieldOptions, Guide, GuideTrouble, Seat};
-use quadmosaic::mosaic::sow;
+use quadmosaic::compute::{Complex, Cpu};
+use quadmosaic::field::{Align, Field, FieldOptions, Guide, GuideTrouble, SingularityLocation};
+use quadmosaic::mosaic::seed;
 use quadmosaic::surface::{FeatureOptions, Soup, Surface};
 use std::f64::consts::FRAC_PI_2;
 
@@ -26,7 +26,7 @@ fn wrapped(angle: f64) -> f64 {
 
 /// The largest angle between the field and a direction in the plane z = 0, at many places.
 fn off(surface: &Surface, field: &Field, direction: f64) -> f64 {
-    let tiles = sow::sow(surface, field, 0.01);
+    let tiles = seed::seed(surface, field, 0.01);
     assert!(tiles.len() > 2_000);
     let turn = |axis: [f32; 3]| f64::from(axis[1]).atan2(f64::from(axis[0]));
     tiles.iter().map(|tile| wrapped(turn(tile.axis) - direction).abs()).fold(0.0, f64::max)
@@ -135,7 +135,7 @@ fn a_guide_is_followed_within_its_radius() {
     let guided = field(&plate, &[guide]);
     let turn = 0.6f64.atan2(0.8);
     let (mut inside, mut outside) = (0, 0);
-    for tile in sow::sow(&plate, &guided, 0.01) {
+    for tile in seed::seed(&plate, &guided, 0.01) {
         let at = DVec3::from(plate.frame().to_model(tile.position.map(f64::from)));
         let off = wrapped(f64::from(tile.axis[1]).atan2(f64::from(tile.axis[0])) - turn).abs();
         let distance = at.distance(DVec3::from(centre));
@@ -351,7 +351,8 @@ fn singularities_add_up_to_the_euler_characteristic() {
         let field = field(&surface, &[]);
         let found = field.singularities(&surface);
         assert_eq!(found.iter().map(|s| s.quarters).sum::<i32>(), 4 * characteristic as i32, "{name}");
-        let in_triangles: i32 = found.iter().filter(|s| matches!(s.seat, Seat::Triangle(_))).map(|s| s.quarters).sum();
+        let in_triangles: i32 =
+            found.iter().filter(|s| matches!(s.location, SingularityLocation::Triangle(_))).map(|s| s.quarters).sum();
         if name != "m6" {
             let crosses = field.in_triangles();
             assert_eq!(i64::from(in_triangles), total_quarters(&surface, crosses, &twins(&soup)), "{name}");
@@ -359,19 +360,20 @@ fn singularities_add_up_to_the_euler_characteristic() {
         for singularity in &found {
             assert_ne!(singularity.quarters, 0, "{name}");
             let place = DVec3::from(singularity.position);
-            match singularity.seat {
-                Seat::Triangle(t) => {
+            match singularity.location {
+                SingularityLocation::Triangle(t) => {
                     let corners = unit_corners(&soup, surface.frame(), t as usize);
                     assert!(common::surfaces::distance(place, corners) < 1e-6, "{name}: {singularity:?}");
                 }
-                Seat::Corner(v) => assert!(surface.features().is_corner(v), "{name}: {singularity:?}"),
+                SingularityLocation::Corner(v) => assert!(surface.features().is_corner(v), "{name}: {singularity:?}"),
             }
         }
         match name {
             "sphere" => assert!(found.len() == 8 && found.iter().all(|s| s.index() == 0.25), "{found:?}"),
             // Three right angles at each of eight corners; the bore has none.
             "block" => {
-                let corners: Vec<_> = found.iter().filter(|s| matches!(s.seat, Seat::Corner(_))).collect();
+                let corners: Vec<_> =
+                    found.iter().filter(|s| matches!(s.location, SingularityLocation::Corner(_))).collect();
                 assert!(corners.len() == 8 && corners.iter().all(|s| s.index() == 0.25), "{found:?}");
                 assert_eq!(in_triangles, -8);
             }
@@ -388,7 +390,10 @@ fn without_features_the_field_alone_makes_up_the_euler_characteristic() {
         let smooth = FeatureOptions { crease: 180.0, ..FeatureOptions::default() };
         let surface = Surface::new(&soup, &smooth).unwrap_or_else(|error| panic!("{error}"));
         let found = field(&surface, &[]).singularities(&surface);
-        assert!(found.iter().all(|s| matches!(s.seat, Seat::Triangle(_))), "{name}: no features, no corners");
+        assert!(
+            found.iter().all(|s| matches!(s.location, SingularityLocation::Triangle(_))),
+            "{name}: no features, no corners"
+        );
         assert_eq!(found.iter().map(|s| s.quarters).sum::<i32>(), 4 * characteristic, "{name}");
     }
 }
@@ -502,7 +507,7 @@ fn aligned_the_field_follows_curvature() {
         let guide = Guide::vector([1.4 * scale, 0.0, 0.0], [0.0, 1.0, 1.0]);
         let options = FieldOptions { align, ..FieldOptions::guided([guide]) };
         let field = Field::new(&torus, &options, &Cpu).expect("the CPU does not fail");
-        let far = sow::sow(&torus, &field, 0.03).into_iter().filter(|tile| tile.position[0] < 0.0);
+        let far = seed::seed(&torus, &field, 0.03).into_iter().filter(|tile| tile.position[0] < 0.0);
         let off = far.map(|tile| {
             let [at, axis] = [tile.position, tile.axis].map(|v| DVec3::from(v.map(f64::from)));
             let parallel = DVec3::new(-at.y, at.x, 0.0).normalize();

@@ -3,9 +3,9 @@
 mod common;
 
 use bytemuck::{Pod, Zeroable};
+use quadmosaic::compute::cpu::grid::Grid;
 use quadmosaic::gpu::grid::{GridBuffers, GridKernels};
 use quadmosaic::gpu::{Access, Gpu, GpuError, Program};
-use quadmosaic::mosaic::grid::Grid;
 
 const CELL: f32 = 0.1;
 

@@ -3,7 +3,7 @@
 mod common;
 
 use common::surfaces::{EXAMPLES, example, surface};
-use quadmosaic::compute::{Backend, Cpu};
+use quadmosaic::compute::Cpu;
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mesh::check::check;
 use quadmosaic::mesh::connect::{ConnectOptions, connect};
@@ -12,7 +12,8 @@ use quadmosaic::mesh::quality::{Quality, quad_shape, triangle_shape};
 use quadmosaic::mesh::smooth::smooth;
 use quadmosaic::mesh::triangulate::triangulate;
 use quadmosaic::mesh::{Mesh, Triangulation};
-use quadmosaic::mosaic::{Effort, Layer, Mosaic, Rows};
+use quadmosaic::mosaic::{Effort, Mosaic, MosaicBuilder};
+use quadmosaic::parametrize::Rows;
 use quadmosaic::surface::Surface;
 
 const COUNT: usize = 1_000;
@@ -20,19 +21,16 @@ const COUNT: usize = 1_000;
 fn tiled(name: &str) -> (Surface, Mosaic, Triangulation) {
     let surface = surface(&example(name, 4_000));
     let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
-    let ground = Cpu.ground(&surface, &field).expect("the CPU does not fail");
-    let layer = Layer {
+    let builder = MosaicBuilder {
         surface: &surface,
         field: &field,
         backend: &Cpu,
-        ground: &*ground,
         effort: Effort::default(),
         rows: Rows::Paper,
         progress: &|_| {},
     };
-    let mosaic = layer.with_count(COUNT).expect("the CPU does not fail");
+    let mosaic = builder.with_count(COUNT).expect("the CPU does not fail");
     let triangulation = triangulate(&surface, &field, &mosaic);
-    drop(ground);
     (surface, mosaic, triangulation)
 }
 
@@ -64,7 +62,7 @@ fn the_triangulation_keeps_the_topology() {
             "{name}: {faults}"
         );
         assert_eq!(mesh.points.len(), mosaic.count() + triangulation.extra, "{name}");
-        assert_eq!(triangulation.sites, mosaic.sites.len(), "{name}");
+        assert_eq!(triangulation.sites, mosaic.feature_samples.len(), "{name}");
         assert_eq!(triangulation.extra, 0, "{name}: a handle of these surfaces is wider than a tile");
         // The sphere's area is kept nearly; of what is lost, chords of a tile side take h^2 / 8 R^2.
         if name == "sphere" {

@@ -4,26 +4,27 @@ mod common;
 
 use common::surfaces::{EXAMPLES, example, surface, unit_corners};
 use glam::DVec3;
-use quadmosaic::compute::{Backend, Cpu};
+use quadmosaic::compute::Cpu;
 use quadmosaic::field::{Field, FieldOptions};
-use quadmosaic::mosaic::{Effort, Layer, Mosaic, Rows, Rulers, Seat, Tile, seat, side_for_count, sow};
+use quadmosaic::mosaic::{
+    CurveParameters, Effort, FeaturePoint, Mosaic, MosaicBuilder, Tile, feature_samples, seed, side_for_count,
+};
+use quadmosaic::parametrize::Rows;
 use quadmosaic::surface::{Soup, Surface};
 use std::collections::HashSet;
 
 const COUNT: usize = 2_000;
 
 fn laid(surface: &Surface, field: &Field, count: usize) -> Mosaic {
-    let ground = Cpu.ground(surface, field).expect("the CPU does not fail");
-    let layer = Layer {
+    let builder = MosaicBuilder {
         surface,
         field,
         backend: &Cpu,
-        ground: &*ground,
         effort: Effort::default(),
         rows: Rows::Paper,
         progress: &|_| {},
     };
-    layer.with_count(count).expect("the CPU does not fail")
+    builder.with_count(count).expect("the CPU does not fail")
 }
 
 fn field(surface: &Surface) -> Field {
@@ -98,7 +99,7 @@ fn the_count_is_the_one_asked_for() {
         let mosaic = laid(&surface, &field(&surface), COUNT);
         let miss = mosaic.count() as f64 / COUNT as f64 - 1.0;
         assert!(miss.abs() < 0.02, "{name}: {} tiles", mosaic.count());
-        assert_eq!(mosaic.count(), mosaic.sites.len() + mosaic.tiles.len() - mosaic.sides, "{name}");
+        assert_eq!(mosaic.count(), mosaic.feature_samples.len() + mosaic.tiles.len() - mosaic.sides, "{name}");
         // The closed formula alone misses by what tiles on features take, but not by much.
         let h = f64::from(side_for_count(&surface, COUNT));
         let promised = surface.area() / (h * h) + surface.boundary_length() / (2.0 * h);
@@ -130,7 +131,7 @@ fn no_two_free_tiles_overlap() {
         let mosaic = laid(&surface, &field, COUNT);
         assert_eq!(crowded(mosaic.free(), 0.5), 0, "{name}");
         // Scattered tiles do.
-        let sown = sow::sow(&surface, &field, mosaic.tiles[0].h);
+        let sown = seed::seed(&surface, &field, mosaic.tiles[0].h);
         assert!(crowded(&sown, 0.5) > COUNT / 20, "{name}");
     }
 }
@@ -154,48 +155,48 @@ fn the_relaxed_tiles_stand_in_rows() {
         }
         found as f64 / (4 * tiles.len()) as f64
     };
-    let (relaxed, sown) = (neighbours(mosaic.free()), neighbours(&sow::sow(&surface, &field, mosaic.tiles[0].h)));
+    let (relaxed, sown) = (neighbours(mosaic.free()), neighbours(&seed::seed(&surface, &field, mosaic.tiles[0].h)));
     // Of scattered tiles one lies within 0.3 sides of a place with probability 1 - exp(-pi 0.09) = 0.25.
     assert!(sown < 0.35, "{sown}");
     assert!(relaxed > 0.8, "{relaxed}");
 }
 
 #[test]
-fn sites_sit_on_features() {
+fn samples_lie_on_features() {
     for name in ["block", "plate", "m6"] {
         let soup = example(name, 5_000);
         let surface = surface(&soup);
         let field = field(&surface);
         let h = side_for_count(&surface, COUNT);
-        let (sites, tiles) = seat::seat(&surface, &field, h, &Rulers::default());
+        let (samples, tiles) = feature_samples::sample_features(&surface, &field, h, &CurveParameters::default());
         let features = surface.features();
         let on_curves: HashSet<u32> = features.curves().iter().flat_map(|c| c.vertices.iter().copied()).collect();
         let corner = |h: u32| unit_corners(&soup, surface.frame(), h as usize / 3)[h as usize % 3];
         let mut corners = 0;
-        for (i, site) in sites.iter().enumerate() {
-            let at = vector(tiles[site.first_side as usize].position);
-            let exact = match site.seat {
-                Seat::Vertex(v) => {
-                    assert!(on_curves.contains(&v), "{name}: site {i} on vertex {v}");
+        for (i, sample) in samples.iter().enumerate() {
+            let at = vector(tiles[sample.first_side as usize].position);
+            let exact = match sample.point {
+                FeaturePoint::Vertex(v) => {
+                    assert!(on_curves.contains(&v), "{name}: sample {i} on vertex {v}");
                     corners += usize::from(features.is_corner(v));
                     corner(field.sectors().first_corner[field.sectors().of_vertex(v)[0] as usize])
                 }
-                Seat::Edge(h, share) => {
-                    assert!(features.is_feature(h) && (0.0..=1.0).contains(&share), "{name}: site {i} on edge {h}");
+                FeaturePoint::Edge(h, share) => {
+                    assert!(features.is_feature(h) && (0.0..=1.0).contains(&share), "{name}: sample {i} on edge {h}");
                     let [a, b] = [corner(h), corner(h / 3 * 3 + (h + 1) % 3)];
                     a + (b - a) * share
                 }
             };
             // One rounding to f32 of coordinates below 0.5, on ends that were rounded too.
-            assert!((at - exact).abs().max_element() < 1e-7, "{name}: site {i} at {at}, not {exact}");
-            let last = sites.get(i + 1).map_or(tiles.len(), |next| next.first_side as usize);
-            let sides = &tiles[site.first_side as usize..last];
+            assert!((at - exact).abs().max_element() < 1e-7, "{name}: sample {i} at {at}, not {exact}");
+            let last = samples.get(i + 1).map_or(tiles.len(), |next| next.first_side as usize);
+            let sides = &tiles[sample.first_side as usize..last];
             assert!(!sides.is_empty() && sides.iter().all(|s| s.quarters > 0 && vector(s.position) == at));
         }
         assert_eq!(corners, features.corners().count(), "{name}: each corner has its tile");
         let places: HashSet<[u32; 3]> =
-            sites.iter().map(|s| tiles[s.first_side as usize].position.map(f32::to_bits)).collect();
-        assert_eq!(places.len(), sites.len(), "{name}: no place is taken twice");
+            samples.iter().map(|s| tiles[s.first_side as usize].position.map(f32::to_bits)).collect();
+        assert_eq!(places.len(), samples.len(), "{name}: no place is taken twice");
         // As many intervals as fit each curve.
         let length: f64 = features
             .curves()
@@ -204,13 +205,13 @@ fn sites_sit_on_features() {
             .map(|&h| corner(h).distance(corner(h / 3 * 3 + (h + 1) % 3)))
             .sum();
         let slack = 0.5 * features.curves().len() as f64 + corners as f64;
-        let miss = sites.len() as f64 - length / f64::from(h);
-        assert!(miss.abs() <= slack, "{name}: {} sites on {} sides", sites.len(), length / f64::from(h));
-        let wider = seat::seat(&surface, &field, 2.0 * h, &Rulers::default()).0.len();
+        let miss = samples.len() as f64 - length / f64::from(h);
+        assert!(miss.abs() <= slack, "{name}: {} samples on {} sides", samples.len(), length / f64::from(h));
+        let wider = feature_samples::sample_features(&surface, &field, 2.0 * h, &CurveParameters::default()).0.len();
         assert!((wider as f64 - length / f64::from(h)).abs() > slack, "{name}: half as many would be seen");
     }
     let sphere = surface(&example("sphere", 1_000));
-    assert_eq!(seat::seat(&sphere, &field(&sphere), 0.1, &Rulers::default()).0.len(), 0);
+    assert_eq!(feature_samples::sample_features(&sphere, &field(&sphere), 0.1, &CurveParameters::default()).0.len(), 0);
 }
 
 #[test]

@@ -2,11 +2,11 @@
 
 mod common;
 
-use quadmosaic::compute::{Backend, Cpu};
+use quadmosaic::compute::cpu::neighbours;
+use quadmosaic::compute::{Backend, Cpu, LIST_LENGTH, LIST_STEPS, REACH, Relaxation, SKIN};
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::gpu::{Gpu, GpuBackend};
-use quadmosaic::mosaic::relax::REACH;
-use quadmosaic::mosaic::{Relaxation, Rulers, Tile, neighbours, seat, side_for_count, sow};
+use quadmosaic::mosaic::{CurveParameters, Tile, feature_samples, seed, side_for_count};
 use quadmosaic::sizes::Sizes;
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Surface};
@@ -20,8 +20,8 @@ fn example(name: &str) -> (Surface, Field) {
 
 /// Tiles on features and scattered ones.
 fn tiles(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
-    let mut tiles = seat::seat(surface, field, h, &Rulers::default()).1;
-    tiles.extend(sow::sow(surface, field, h));
+    let mut tiles = feature_samples::sample_features(surface, field, h, &CurveParameters::default()).1;
+    tiles.extend(seed::seed(surface, field, h));
     tiles
 }
 
@@ -30,9 +30,9 @@ fn both(gpu: &Gpu, surface: &Surface, field: &Field, tiles: &[Tile], steps: u32)
     let scale = tiles.iter().map(|tile| tile.h).fold(0.0, f32::max) / field.sizes().largest();
     let relaxation = Relaxation::new(steps, scale, field.sizes());
     let backend = GpuBackend::new(gpu).unwrap();
-    let cpu = Cpu.ground(surface, field).unwrap().relax(tiles, &relaxation).unwrap();
-    let gpu = backend.ground(surface, field).unwrap().relax(tiles, &relaxation).unwrap();
-    [cpu, gpu]
+    let surface = field.relaxation_surface(surface);
+    let backends: [&dyn Backend; 2] = [&Cpu, &backend];
+    backends.map(|backend| backend.relaxation(&surface).unwrap().relax(tiles, &relaxation).unwrap())
 }
 
 /// What differs between two results, the worst tile first.
@@ -86,7 +86,7 @@ fn a_batch_of_steps_is_the_same() {
     }
     let (surface, field) = example("m6");
     let tiles = tiles(&surface, &field, side_for_count(&surface, 3000));
-    let [cpu, other] = both(gpu, &surface, &field, &tiles, neighbours::STEPS + 1);
+    let [cpu, other] = both(gpu, &surface, &field, &tiles, LIST_STEPS + 1);
     assert_eq!(difference(gpu, &cpu, &other), None);
 }
 
@@ -100,7 +100,7 @@ fn near(tiles: &[Tile], id: usize) -> Vec<u32> {
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let is_near = |other: usize| {
         let e = [0, 1, 2].map(|k| tiles[other].position[k] - tiles[id].position[k]);
-        let far = (REACH + neighbours::SKIN) * (tiles[id].h + tiles[other].h) * 0.5;
+        let far = (REACH + SKIN) * (tiles[id].h + tiles[other].h) * 0.5;
         dot(e, e) <= far * far && dot(tiles[id].normal, tiles[other].normal) > 0.0
     };
     (0..tiles.len()).filter(|&other| other != id && is_near(other)).map(|other| other as u32).collect()
@@ -114,12 +114,12 @@ fn lists_hold_what_a_search_of_all_pairs_finds() {
         let tiles = tiles(&surface, &field, h);
         let cell = Relaxation::new(1, h, &Sizes::equal()).cell;
         let lists = neighbours::lists(&tiles, cell);
-        let wrong = |lists: &[[u32; neighbours::SLOTS]]| {
+        let wrong = |lists: &[[u32; LIST_LENGTH]]| {
             let is_wrong = |&id: &usize| {
                 let (mut found, wanted) = (ids(&lists[id]), near(&tiles, id));
                 found.sort_unstable();
                 // A crowded tile's list has as many as it can hold.
-                let full = found.len() == neighbours::SLOTS && found.iter().all(|id| wanted.contains(id));
+                let full = found.len() == LIST_LENGTH && found.iter().all(|id| wanted.contains(id));
                 !(full || found == if tiles[id].quarters == 0 { wanted } else { vec![] })
             };
             (0..tiles.len()).filter(is_wrong).count()
@@ -136,9 +136,9 @@ fn tiles_in_a_crowd_are_the_same() {
     let (surface, field) = example("sphere");
     let h = side_for_count(&surface, 2000);
     // Four times as many as there is room for.
-    let crowd: Vec<Tile> = sow::sow(&surface, &field, 0.5 * h).iter().map(|&tile| Tile { h, ..tile }).collect();
+    let crowd: Vec<Tile> = seed::seed(&surface, &field, 0.5 * h).iter().map(|&tile| Tile { h, ..tile }).collect();
     let lists = neighbours::lists(&crowd, Relaxation::new(1, h, &Sizes::equal()).cell);
-    let full = lists.iter().filter(|list| ids(*list).len() == neighbours::SLOTS).count();
+    let full = lists.iter().filter(|list| ids(*list).len() == LIST_LENGTH).count();
     assert!(full > crowd.len() / 2, "{full} of {} lists are full", crowd.len());
     let [cpu, other] = both(gpu, &surface, &field, &crowd, 1);
     assert_eq!(difference(gpu, &cpu, &other), None);
@@ -160,13 +160,14 @@ fn tiles_of_different_sizes_are_the_same() {
         let scale = sizes.side_for_count(&surface, 1500);
         let field = field.with_sizes(sizes);
         let tiles = tiles(&surface, &field, scale);
-        let relaxation = Relaxation::new(neighbours::STEPS, scale, field.sizes());
+        let relaxation = Relaxation::new(LIST_STEPS, scale, field.sizes());
         let backend = GpuBackend::new(gpu).unwrap();
-        let on_cpu = |relaxation| Cpu.ground(&surface, &field).unwrap().relax(&tiles, relaxation).unwrap();
+        let surface = field.relaxation_surface(&surface);
+        let on_cpu = |relaxation| Cpu.relaxation(&surface).unwrap().relax(&tiles, relaxation).unwrap();
         let one = Relaxation { steps: 1, ..relaxation };
         // On hardware differences grow from step to step.
         let relaxation = if gpu.adapter().hardware { one } else { relaxation };
-        let other = backend.ground(&surface, &field).unwrap().relax(&tiles, &relaxation).unwrap();
+        let other = backend.relaxation(&surface).unwrap().relax(&tiles, &relaxation).unwrap();
         assert_eq!(difference(gpu, &on_cpu(&relaxation), &other), None, "{name}");
         for tile in &other {
             let wanted = scale * (1.5 + tile.position[0]);

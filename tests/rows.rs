@@ -8,8 +8,8 @@ use quadmosaic::gpu::GpuBackend;
 use quadmosaic::mesh::check::check;
 use quadmosaic::mesh::pair::{PairOptions, Quads};
 use quadmosaic::mesh::quality::Quality;
-use quadmosaic::mosaic::Rows;
-use quadmosaic::mosaic::fitting::fitting;
+use quadmosaic::parametrize::Rows;
+use quadmosaic::parametrize::integrable_sizes::integrable_sizes;
 use quadmosaic::pipeline::{Fineness, Options, Outcome, field, prepare, run};
 use quadmosaic::report::Report;
 use quadmosaic::surface::{Ends, NamedEdge};
@@ -57,7 +57,7 @@ fn fitting_tiles_of_a_torus_grow_with_the_distance_from_its_axis() {
     let options = options(Rows::Paper, 0.0);
     let (surface, sizes, count) = prepare(&example("torus", 40_000), &options).expect("a torus");
     let field = field(&surface, sizes, count, &options, &Cpu).expect("the CPU does not fail");
-    let logs = fitting(&surface, &field, 10.0, &Cpu).expect("the CPU does not fail");
+    let logs = integrable_sizes(&surface, &field, 10.0, &Cpu).expect("the CPU does not fail");
     let radius = |v: usize| {
         let [x, y, _] = surface.frame().to_model(surface.point(v as u32));
         x.hypot(y)

@@ -41,6 +41,18 @@ if cargo clippy --version >/dev/null 2>&1; then
 else
     skip "cargo clippy" "clippy is not installed (rustup component add clippy)"
 fi
+# The library alone compiles neither the GPU's crates nor those of the command line and the charts.
+library_alone() {
+    cargo build --release --lib --no-default-features &&
+        ! cargo tree --edges normal --prefix none --no-default-features | grep -E '^(wgpu|clap|indicatif|plotters|png) '
+}
+check "cargo build --no-default-features" library_alone
+if cargo clippy --version >/dev/null 2>&1; then
+    for feature in "" gpu picture study; do
+        check "cargo clippy, features: ${feature:-none}" \
+            cargo clippy --release --lib --no-default-features --features "$feature" -- -D warnings
+    done
+fi
 check "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --quiet
 
 # One profile, so that the dependencies are built once. A test that skips itself says so in a line of its own, and

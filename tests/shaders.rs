@@ -6,14 +6,16 @@ use std::mem::offset_of;
 use std::path::Path;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use naga::{AddressSpace, Module, TypeInner};
-use quadmosaic::field::{Link, Row};
+use naga::{AddressSpace, Expression, Handle, Literal, Module, TypeInner};
+use quadmosaic::compute::cpu::{grid, relax};
+use quadmosaic::compute::{
+    LIST_LENGTH, Link, MIRRORED, MOST_EDGES, NEGLIGIBLE, REACH, Row, SKIN, TARGET_LENGTH, Tile, Triangle,
+};
 use quadmosaic::gpu::conjugate::Sum;
 use quadmosaic::gpu::grid::GridSettings;
-use quadmosaic::gpu::relax::Triangle;
-use quadmosaic::gpu::smooth::{Sweep, Transfer};
+use quadmosaic::gpu::smooth::Sweep;
+use quadmosaic::gpu::transfer::Transfer;
 use quadmosaic::gpu::{Access, GpuError, Program, WORKGROUP};
-use quadmosaic::mosaic::Tile;
 
 /// The kernels' files, each joined after `common.wgsl`, and `common.wgsl` alone.
 fn sources() -> Vec<(String, String)> {
@@ -116,7 +118,7 @@ fn shared_records() -> Vec<(&'static str, Layout)> {
         ("Tile", layout!(Tile: position, h, normal, triangle, axis, quarters)),
         ("Triangle", layout!(Triangle: corners, beyond)),
         ("Sweep", layout!(Sweep: count, step)),
-        ("Row", layout!(Row: start, diagonal, anchor)),
+        ("Row", layout!(Row: start, diagonal, mass)),
         ("Transfer", layout!(Transfer: fine, coarse)),
         ("Sum", layout!(Sum: count, numerator, denominator, to)),
     ]
@@ -155,6 +157,78 @@ fn links_and_parents_have_the_record_s_size_and_places() {
         assert_eq!(rust.size, wgsl.size, "{name}");
         let places: Vec<u32> = wgsl.fields.iter().map(|field| field.1).collect();
         assert_eq!(places, [rust.fields[0].1, rust.fields[1].1, rust.fields[1].1 + 4], "{name}");
+    }
+}
+
+/// The numbers that both sides know, by their names in WGSL; whole numbers below 2^32 are exact.
+fn shared_constants() -> Vec<(&'static str, Vec<f64>)> {
+    vec![
+        ("WORKGROUP", vec![f64::from(WORKGROUP)]),
+        ("NONE", vec![f64::from(quadmosaic::surface::NONE)]),
+        ("REACH", vec![f64::from(REACH)]),
+        ("SKIN", vec![f64::from(SKIN)]),
+        ("LIST_LENGTH", vec![LIST_LENGTH as f64]),
+        ("CELL_LIMIT_BITS", vec![f64::from(grid::CELL_LIMIT.to_bits())]),
+        ("OUTSIDE", vec![f64::from(grid::OUTSIDE)]),
+        ("TARGET_LENGTH", vec![f64::from(TARGET_LENGTH)]),
+        ("NEGLIGIBLE", vec![f64::from(NEGLIGIBLE)]),
+        ("MIRRORED", vec![f64::from(MIRRORED)]),
+        ("LEAST_COSINE", vec![f64::from(relax::LEAST_COSINE)]),
+        ("SHEET", vec![f64::from(relax::SHEET)]),
+        ("STEP", vec![f64::from(relax::STEP)]),
+        ("DIAGONAL", vec![f64::from(relax::DIAGONAL)]),
+        ("MOST_EDGES", vec![f64::from(MOST_EDGES)]),
+        ("ARC", relax::ARC.map(f64::from).to_vec()),
+    ]
+}
+
+/// The numbers of a constant expression.
+fn numbers(module: &Module, expression: Handle<Expression>) -> Vec<f64> {
+    match &module.global_expressions[expression] {
+        Expression::Literal(Literal::F32(x)) => vec![f64::from(*x)],
+        Expression::Literal(Literal::U32(x)) => vec![f64::from(*x)],
+        Expression::Literal(Literal::I32(x)) => vec![f64::from(*x)],
+        Expression::Compose { components, .. } => {
+            components.iter().flat_map(|&component| numbers(module, component)).collect()
+        }
+        other => panic!("{other:?} is no constant that this test can read"),
+    }
+}
+
+/// The constants of a module that have another value than `shared` has, or that it does not know.
+fn unlike(module: &Module, shared: &[(&'static str, Vec<f64>)]) -> Vec<String> {
+    let named = module.constants.iter().filter_map(|(_, constant)| Some((constant.name.clone()?, constant.init)));
+    let known = |name: &str| shared.iter().find(|constant| constant.0 == name).map(|constant| &constant.1);
+    named.filter(|(name, init)| known(name) != Some(&numbers(module, *init))).map(|(name, _)| name).collect()
+}
+
+#[test]
+fn constants_are_the_same_on_both_sides() {
+    let (modules, shared) = (modules(), shared_constants());
+    for (name, module) in &modules {
+        assert_eq!(unlike(module, &shared), Vec::<String>::new(), "{name}");
+    }
+    let used = |name: &str| {
+        modules
+            .iter()
+            .any(|(_, module)| module.constants.iter().any(|(_, constant)| constant.name.as_deref() == Some(name)))
+    };
+    for (name, _) in &shared {
+        assert!(used(name), "no shader has {name}");
+    }
+}
+
+#[test]
+fn another_constant_is_noticed() {
+    let (_, relax) = sources().into_iter().find(|(name, _)| name == "relax.wgsl").unwrap();
+    for (one, other, wrong) in [
+        ("SHEET: f32 = 0.6", "SHEET: f32 = 0.6000001", "SHEET"),
+        ("0.04464286", "0.0446429", "ARC"),
+        ("const STEP", "const STRIDE: u32 = 7u; const STEP", "STRIDE"),
+    ] {
+        assert!(relax.contains(one));
+        let module = naga::front::wgsl::parse_str(&relax.replace(one, other)).unwrap();
+        assert_eq!(unlike(&module, &shared_constants()), [wrong]);
     }
 }
 

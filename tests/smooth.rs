@@ -2,8 +2,8 @@
 
 mod common;
 
-use quadmosaic::compute::{Backend, Cpu};
-use quadmosaic::field::{Complex, Field, FieldOptions, Guide};
+use quadmosaic::compute::{Backend, Complex, Cpu};
+use quadmosaic::field::{Field, FieldOptions, Guide};
 use quadmosaic::gpu::{Gpu, GpuBackend};
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Surface};

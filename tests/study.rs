@@ -7,7 +7,7 @@ use quadmosaic::compute::Cpu;
 use quadmosaic::field::{FieldOptions, Guide};
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::quality::Quality;
-use quadmosaic::mosaic::Rows;
+use quadmosaic::parametrize::Rows;
 use quadmosaic::pipeline::{self, Fineness, Options};
 use quadmosaic::study::{self, Plan, StudyError, Subject, Table};
 use quadmosaic::surface::Regions;

@@ -6,7 +6,7 @@ use common::surfaces::{EXAMPLES, example, flat, scattered, surface, twisted_stri
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
 use quadmosaic::field::{Field, FieldOptions};
-use quadmosaic::mosaic::{Rulers, Tile, seat, sow};
+use quadmosaic::mosaic::{CurveParameters, Tile, feature_samples, seed};
 use quadmosaic::surface::{FeatureOptions, Soup, Surface, SurfaceError};
 
 /// Every triangle with corners of its own.
@@ -54,7 +54,7 @@ fn edge_count(soup: &Soup) -> usize {
 /// Tiles scattered over the surface: its normals and places, seen from outside the crate.
 fn samples(surface: &Surface) -> Vec<Tile> {
     let field = Field::new(surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
-    sow::sow(surface, &field, 0.03)
+    seed::seed(surface, &field, 0.03)
 }
 
 #[test]
@@ -371,9 +371,9 @@ fn places(soup: &Soup) -> Vec<DVec3> {
     let surface = Surface::new(soup, &FeatureOptions { crease: 1e-2, ..FeatureOptions::default() }).expect("a sphere");
     assert_eq!(surface.features().corners().count(), surface.vertex_count());
     let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
-    let (sites, tiles) = seat::seat(&surface, &field, 1.0, &Rulers::default());
-    assert_eq!(sites.len(), surface.vertex_count(), "no edge is long enough for a tile of its own");
-    sites.iter().map(|site| DVec3::from(tiles[site.first_side as usize].position.map(f64::from))).collect()
+    let (samples, tiles) = feature_samples::sample_features(&surface, &field, 1.0, &CurveParameters::default());
+    assert_eq!(samples.len(), surface.vertex_count(), "no edge is long enough for a tile of its own");
+    samples.iter().map(|sample| DVec3::from(tiles[sample.first_side as usize].position.map(f64::from))).collect()
 }
 
 #[test]

@@ -2,13 +2,14 @@
 #![allow(dead_code, reason = "each bench compiles this file, and none uses all of it")]
 
 use criterion::Criterion;
-use quadmosaic::compute::{Backend, Cpu};
+use quadmosaic::compute::Cpu;
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mesh::connect::{ConnectOptions, connect};
 use quadmosaic::mesh::fill::{Holes, fill};
 use quadmosaic::mesh::triangulate::triangulate;
 use quadmosaic::mesh::{Mesh, Triangulation};
-use quadmosaic::mosaic::{Effort, Layer, Mosaic, Rows};
+use quadmosaic::mosaic::{Effort, Mosaic, MosaicBuilder};
+use quadmosaic::parametrize::Rows;
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{FeatureOptions, Soup, Surface};
 use std::time::Duration;
@@ -39,17 +40,15 @@ pub fn field(surface: &Surface) -> Field {
 }
 
 pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {
-    let ground = Cpu.ground(surface, field).expect("the CPU does not fail");
-    let layer = Layer {
+    let builder = MosaicBuilder {
         surface,
         field,
         backend: &Cpu,
-        ground: &*ground,
         effort: Effort::default(),
         rows: Rows::Paper,
         progress: &|_| {},
     };
-    layer.with_count(POINTS).expect("the CPU does not fail")
+    builder.with_count(POINTS).expect("the CPU does not fail")
 }
 
 /// The surface, its tiles' triangulation and the mesh with its holes filled.

@@ -1,6 +1,6 @@
 //! The choice of where the heavy stages run.
 
-use super::mesh::up_to;
+use super::numbers::up_to;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use quadmosaic::compute::{Backend, Cpu};

@@ -1,6 +1,6 @@
-//! What counts as a feature: arguments that all share who read a surface for its features.
+//! What counts as a feature: arguments of all commands that read a surface for its features.
 
-use super::mesh::degrees;
+use super::numbers::degrees;
 use clap::Args;
 use quadmosaic::surface::{FeatureOptions, NamedEdge, read_edges};
 use std::path::PathBuf;

@@ -1,10 +1,10 @@
 //! `quadmosaic field`.
 
 use super::backend::{Device, Machine};
-use super::fineness::Wanted;
+use super::field_arguments::{FieldArguments, warn_of};
+use super::fineness::FinenessArguments;
 use super::input::Source;
 use super::output::{expect_writable, field_path, file_path, print, write_json};
-use super::rows::{Rows, warn_of};
 use super::summary;
 use anyhow::Context;
 use clap::Args;
@@ -30,9 +30,9 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FIELD.vtk|ply", value_parser = field_path)]
     output: PathBuf,
     #[command(flatten)]
-    wanted: Wanted,
+    fineness: FinenessArguments,
     #[command(flatten)]
-    rows: Rows,
+    directions: FieldArguments,
     #[command(flatten)]
     machine: Machine,
     /// Write what is printed, and more, as JSON
@@ -51,18 +51,18 @@ Examples:
 In ParaView: a Glyph of cross_u and one of cross_v (Glyph Mode: Every Nth Point, after Cell Centers) show the crosses.";
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let Arguments { source, output, wanted, rows, machine, report: report_path, quiet } = arguments;
+    let Arguments { source, output, fineness, directions, machine, report: report_path, quiet } = arguments;
     let mut taken: Vec<&Path> = source.path().into_iter().collect();
     for path in [output].into_iter().chain(report_path) {
         expect_writable(path, &taken)?;
         taken.push(path);
     }
     let options = Options {
-        features: rows.features(),
-        edges: rows.edges()?,
-        field: rows.field()?,
-        sizes: wanted.sizes()?,
-        ..Options::new(wanted.fineness())
+        features: directions.features(),
+        edges: directions.edges()?,
+        field: directions.field()?,
+        sizes: fineness.sizes()?,
+        ..Options::new(fineness.fineness())
     };
     machine.start_threads()?;
     let name = source.to_string();

@@ -1,13 +1,13 @@
 //! How fine the mesh is to be: arguments that `mesh` and `field` share.
 
-use super::mesh::{degrees, number, positive};
+use super::numbers::{degrees, number, points, positive};
 use clap::Args;
-use quadmosaic::pipeline::{Fineness, POINTS};
+use quadmosaic::pipeline::Fineness;
 use quadmosaic::sizes::{SizeOptions, read_sizes};
 use std::path::PathBuf;
 
 #[derive(Args)]
-pub struct Wanted {
+pub struct FinenessArguments {
     /// Number of vertices wanted, 4 to 50000000 [default: 6000]
     #[arg(long, value_name = "N", value_parser = points, conflicts_with = "size", help_heading = "Fineness")]
     points: Option<usize>,
@@ -35,7 +35,7 @@ pub struct Wanted {
     max_growth: f64,
 }
 
-impl Wanted {
+impl FinenessArguments {
     /// The default where nothing is asked for.
     pub fn fineness(&self) -> Fineness {
         match (self.points, self.size) {
@@ -57,10 +57,4 @@ impl Wanted {
 
 fn growth(text: &str) -> Result<f64, String> {
     number(text, 1.01..=10.0).ok_or_else(|| "the ratio is a number from 1.01 to 10".to_owned())
-}
-
-/// A number of vertices that can be asked for.
-pub fn points(text: &str) -> Result<usize, String> {
-    let refusal = || format!("ask for {} to {} vertices", POINTS.start(), POINTS.end());
-    text.parse().ok().filter(|count| POINTS.contains(count)).ok_or_else(refusal)
 }

@@ -1,13 +1,14 @@
 //! `quadmosaic mesh`.
 
 use super::backend::Machine;
-use super::fineness::Wanted;
+use super::field_arguments::{FieldArguments, warn_of};
+use super::fineness::FinenessArguments;
 use super::input::Source;
+use super::layout::{LayoutArguments, warn_of_stretch};
+use super::numbers::{degrees, distance, up_to};
 use super::output::{expect_writable, file_path, obj_path, picture_path, print, write_json};
 use super::picture;
-use super::rows::{Rows, warn_of};
 use super::summary;
-use super::weave::{Weave, warn_of_stretch};
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -19,7 +20,6 @@ use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
 use quadmosaic::surface::{Repairs, shown};
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -37,9 +37,9 @@ pub struct Arguments {
     output: PathBuf,
 
     #[command(flatten)]
-    wanted: Wanted,
+    fineness: FinenessArguments,
     #[command(flatten)]
-    rows: Rows,
+    directions: FieldArguments,
 
     /// L: the longest edge, in tile sides (1 to 10)
     #[arg(long, value_name = "L", default_value_t = 1.6, value_parser = distance, help_heading = "Connection")]
@@ -71,7 +71,7 @@ pub struct Arguments {
     smoothing: usize,
 
     #[command(flatten)]
-    weave: Weave,
+    layout: LayoutArguments,
 
     #[command(flatten)]
     machine: Machine,
@@ -211,16 +211,16 @@ impl Arguments {
     }
 
     fn options(&self) -> anyhow::Result<Options> {
-        let defaults = Options::new(self.wanted.fineness());
+        let defaults = Options::new(self.fineness.fineness());
         Ok(Options {
-            features: self.rows.features(),
-            edges: self.rows.edges()?,
-            field: self.rows.field()?,
-            rows: self.weave.rows(),
-            fit: self.weave.fit,
-            fit_range: self.weave.fit_range,
-            aspect: self.weave.aspect,
-            sizes: self.wanted.sizes()?,
+            features: self.directions.features(),
+            edges: self.directions.edges()?,
+            field: self.directions.field()?,
+            rows: self.layout.rows(),
+            fit: self.layout.fit,
+            fit_range: self.layout.fit_range,
+            aspect: self.layout.aspect,
+            sizes: self.fineness.sizes()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {
                 Holes::Patterns => fill::Holes::Patterns,
@@ -268,25 +268,4 @@ impl Progress {
         self.bar.set_message(stage.name());
         self.bar.set_position((100.0 * share) as u64);
     }
-}
-
-pub fn positive(text: &str) -> Result<f64, String> {
-    let length = text.parse::<f64>().ok().filter(|length| length.is_finite() && *length > 0.0);
-    length.ok_or_else(|| "a length is a number above 0, in model units".to_owned())
-}
-
-pub fn degrees<const MOST: u32>(text: &str) -> Result<f64, String> {
-    number(text, 1.0..=f64::from(MOST)).ok_or_else(|| format!("the angle is a number from 1 to {MOST}, in degrees"))
-}
-
-pub fn distance(text: &str) -> Result<f64, String> {
-    number(text, 1.0..=10.0).ok_or_else(|| "the distance is a number from 1 to 10, in tile sides".to_owned())
-}
-
-pub fn up_to<const MOST: usize>(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|count| *count <= MOST).ok_or_else(|| format!("write a whole number from 0 to {MOST}"))
-}
-
-pub fn number(text: &str, range: RangeInclusive<f64>) -> Option<f64> {
-    text.parse().ok().filter(|number| range.contains(number))
 }

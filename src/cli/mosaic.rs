@@ -1,17 +1,16 @@
 //! `quadmosaic mosaic`.
 
 use super::backend::Machine;
-use super::fineness::Wanted;
+use super::field_arguments::{FieldArguments, warn_of};
+use super::fineness::FinenessArguments;
 use super::input::Source;
+use super::layout::{LayoutArguments, warn_of_stretch};
 use super::output::{expect_writable, file_path, picture_path, print, tiles_path, write_json};
-use super::rows::{Rows, warn_of};
-use super::weave::{Weave, warn_of_stretch};
 use super::{picture, summary};
 use anyhow::Context;
 use clap::Args;
-use quadmosaic::export::{Shade, write_mesh_ply, write_obj};
-use quadmosaic::mosaic::fit::Fit;
-use quadmosaic::mosaic::squares::squares;
+use quadmosaic::export::{Shade, tile_mesh, write_mesh_ply, write_obj};
+use quadmosaic::mosaic::quality::TileQuality;
 use quadmosaic::picture::{Colour, View, mosaic_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, prepare};
 use quadmosaic::report::MosaicReport;
@@ -34,11 +33,11 @@ pub struct Arguments {
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = picture::grout)]
     grout: f64,
     #[command(flatten)]
-    wanted: Wanted,
+    fineness: FinenessArguments,
     #[command(flatten)]
-    rows: Rows,
+    directions: FieldArguments,
     #[command(flatten)]
-    weave: Weave,
+    layout: LayoutArguments,
     #[command(flatten)]
     machine: Machine,
     /// Draw the tiles, as `quadmosaic picture --mosaic` does
@@ -62,9 +61,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         source,
         output,
         grout,
-        wanted,
-        rows,
-        weave,
+        fineness,
+        directions,
+        layout,
         machine,
         picture: picture_file,
         report: report_file,
@@ -76,15 +75,15 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         taken.push(path);
     }
     let options = Options {
-        features: rows.features(),
-        edges: rows.edges()?,
-        field: rows.field()?,
-        sizes: wanted.sizes()?,
-        rows: weave.rows(),
-        fit: weave.fit,
-        fit_range: weave.fit_range,
-        aspect: weave.aspect,
-        ..Options::new(wanted.fineness())
+        features: directions.features(),
+        edges: directions.edges()?,
+        field: directions.field()?,
+        sizes: fineness.sizes()?,
+        rows: layout.rows(),
+        fit: layout.fit,
+        fit_range: layout.fit_range,
+        aspect: layout.aspect,
+        ..Options::new(fineness.fineness())
     };
     machine.start_threads()?;
     let name = source.to_string();
@@ -95,8 +94,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let field = pipeline::field(&surface, sizes, count, &options, &*backend)?;
     let mosaic = pipeline::lay(&surface, &field, &*backend, count, &options, &|_| ())?;
 
-    let fit = Fit::of(&surface, &mosaic);
-    let (mesh, tiles) = squares(&surface, &mosaic, *grout as f32);
+    let fit = TileQuality::of(&surface, &mosaic);
+    let (mesh, tiles) = tile_mesh(&surface, &mosaic, *grout as f32);
     match output.extension() {
         Some(ending) if ending.eq_ignore_ascii_case("ply") => {
             let shade = |&tile: &u32| {

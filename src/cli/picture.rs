@@ -1,15 +1,15 @@
 //! `quadmosaic picture`.
 
 use super::backend::Machine;
-use super::fineness::points;
+use super::field_arguments::{FieldArguments, warn_of};
 use super::input::Source;
+use super::layout::{LayoutArguments, warn_of_stretch};
+use super::numbers::{number, points};
 use super::output::{expect_writable, picture_path};
-use super::rows::{Rows, warn_of};
-use super::weave::{Weave, warn_of_stretch};
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use quadmosaic::field::Stretch;
-use quadmosaic::mosaic::fit::Fit;
+use quadmosaic::mosaic::quality::TileQuality;
 use quadmosaic::picture::{Eye, FieldStyle, Paint, Scene, View, field_scene, mesh_scene, mosaic_scene, write_picture};
 use quadmosaic::pipeline::{self, Fineness, Options, prepare};
 use std::fmt;
@@ -77,9 +77,9 @@ pub struct Arguments {
     zoom_to: Option<[f64; 4]>,
 
     #[command(flatten)]
-    rows: Rows,
+    directions: FieldArguments,
     #[command(flatten)]
-    weave: Weave,
+    layout: LayoutArguments,
     #[command(flatten)]
     machine: Machine,
 }
@@ -131,13 +131,13 @@ impl Arguments {
             return Ok(mesh_scene(&self.source.read_mesh()?, paint));
         }
         let options = Options {
-            features: self.rows.features(),
-            edges: self.rows.edges()?,
-            field: self.rows.field()?,
-            rows: self.weave.rows(),
-            fit: self.weave.fit,
-            fit_range: self.weave.fit_range,
-            aspect: self.weave.aspect,
+            features: self.directions.features(),
+            edges: self.directions.edges()?,
+            field: self.directions.field()?,
+            rows: self.layout.rows(),
+            fit: self.layout.fit,
+            fit_range: self.layout.fit_range,
+            aspect: self.layout.aspect,
             ..Options::new(Fineness::Points(self.points))
         };
         let soup = self.source.read()?;
@@ -152,7 +152,7 @@ impl Arguments {
             Some(Style::Crosses) => field_scene(&surface, &field, FieldStyle::Crosses),
             None => {
                 let mosaic = pipeline::lay(&surface, &field, &*backend, count, &options, &|_| ())?;
-                let fit = matches!(self.colour, Colours::Quality).then(|| Fit::of(&surface, &mosaic));
+                let fit = matches!(self.colour, Colours::Quality).then(|| TileQuality::of(&surface, &mosaic));
                 let fit = fit.as_ref().map(|fit| fit.of_tiles.as_slice());
                 mosaic_scene(&surface, &mosaic, self.grout as f32, fit)
             }
@@ -189,5 +189,5 @@ impl FromStr for Size {
 }
 
 pub fn grout(text: &str) -> Result<f64, String> {
-    super::mesh::number(text, 0.0..=0.9).ok_or_else(|| "the grout is a number from 0 to 0.9, in tile sides".to_owned())
+    number(text, 0.0..=0.9).ok_or_else(|| "the grout is a number from 0 to 0.9, in tile sides".to_owned())
 }

@@ -1,12 +1,11 @@
 //! `quadmosaic study`.
 
 use super::backend::Machine;
-use super::fineness::points;
+use super::field_arguments::FieldArguments;
 use super::input::Input;
-use super::mesh::{degrees, distance};
+use super::layout::{LayoutArguments, dial};
+use super::numbers::{degrees, distance, points};
 use super::output::print;
-use super::rows::Rows;
-use super::weave::{Weave, dial};
 use anyhow::{Context, ensure};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -56,9 +55,9 @@ pub struct Arguments {
     #[arg(long, value_name = "DIAL,...", value_delimiter = ',', value_parser = dial)]
     fits: Vec<f64>,
     #[command(flatten)]
-    rows: Rows,
+    directions: FieldArguments,
     #[command(flatten)]
-    weave: Weave,
+    layout: LayoutArguments,
     #[command(flatten)]
     machine: Machine,
     /// Print warnings and errors only
@@ -117,13 +116,13 @@ impl Arguments {
             distances: self.distances.clone(),
             fits: self.fits.clone(),
             options: Options {
-                features: self.rows.features(),
-                edges: self.rows.edges()?,
-                field: self.rows.field()?,
-                rows: self.weave.rows(),
-                fit: self.weave.fit,
-                fit_range: self.weave.fit_range,
-                aspect: self.weave.aspect,
+                features: self.directions.features(),
+                edges: self.directions.edges()?,
+                field: self.directions.field()?,
+                rows: self.layout.rows(),
+                fit: self.layout.fit,
+                fit_range: self.layout.fit_range,
+                aspect: self.layout.aspect,
                 ..plan.options
             },
             ..plan

@@ -219,7 +219,8 @@ fn edits(counts: EditCounts) -> String {
         let (noun, done) = what.split_once(' ').unwrap_or((what, ""));
         format!("{} {done}", counted(count, noun))
     });
-    let said: Vec<String> = std::iter::once(format!("triangles {triangles_before} -> {triangles_after}")).chain(made).collect();
+    let said: Vec<String> =
+        std::iter::once(format!("triangles {triangles_before} -> {triangles_after}")).chain(made).collect();
     said.join(", ")
 }
 
@@ -233,8 +234,7 @@ fn checked(report: &Report) -> String {
 /// What is wrong with the mesh of a run, with places.
 pub fn wrong(report: &Report) -> Option<String> {
     let faults = (!report.faults.is_clean()).then(|| report.faults.to_string());
-    let said: Vec<String> =
-        report.differences.iter().map(ToString::to_string).chain(faults).collect();
+    let said: Vec<String> = report.differences.iter().map(ToString::to_string).chain(faults).collect();
     (!said.is_empty()).then(|| said.join("; "))
 }
 

@@ -1,8 +1,9 @@
-//! Writes meshes to files, each format in its own module. A file appears complete or not at all.
+//! Writes meshes, fields and tiles to files, each format in its own module. A file appears complete or not at all.
 
 mod mesh_ply;
 mod obj;
 mod ply;
+mod tiles;
 mod vtk;
 
 use std::fs::{self, File};
@@ -13,6 +14,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub use mesh_ply::{Shade, write_mesh_ply};
 pub use obj::{write_obj, write_soup};
 pub use ply::write_field_ply;
+pub use tiles::tile_mesh;
 pub use vtk::write_field_vtk;
 
 /// Why a file was not written. What was there before is unchanged.

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::{WriteError, atomic};
-use crate::field::{Field, Seat};
+use crate::field::{Field, SingularityLocation};
 use crate::surface::Surface;
 use crate::surface::curvature::vertex_normals;
 use glam::{DVec3, Vec3};
@@ -41,9 +41,9 @@ fn records(writer: &mut dyn Write, surface: &Surface, field: &Field) -> io::Resu
     let mut at_vertices = vec![0.0f32; surface.vertex_count()];
     let mut in_faces = vec![0.0f32; surface.triangle_count()];
     for singularity in field.singularities(surface) {
-        let place = match singularity.seat {
-            Seat::Corner(vertex) => &mut at_vertices[vertex as usize],
-            Seat::Triangle(triangle) => &mut in_faces[triangle as usize],
+        let place = match singularity.location {
+            SingularityLocation::Corner(vertex) => &mut at_vertices[vertex as usize],
+            SingularityLocation::Triangle(triangle) => &mut in_faces[triangle as usize],
         };
         *place = singularity.index() as f32;
     }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::{WriteError, atomic};
-use crate::field::{Field, Seat};
+use crate::field::{Field, SingularityLocation};
 use crate::geometry::cross;
 use crate::surface::Surface;
 use crate::surface::curvature::vertex_normals;
@@ -37,9 +37,9 @@ fn records(writer: &mut dyn Write, surface: &Surface, field: &Field) -> io::Resu
     let mut normals: Vec<Vec3> = vertex_normals(surface).iter().map(|normal| normal.as_vec3()).collect();
     let mut vertices = Vec::new();
     for singularity in &singularities {
-        vertices.push(vec![match singularity.seat {
-            Seat::Corner(vertex) => vertex,
-            Seat::Triangle(triangle) => {
+        vertices.push(vec![match singularity.location {
+            SingularityLocation::Corner(vertex) => vertex,
+            SingularityLocation::Triangle(triangle) => {
                 points.push(singularity.position);
                 normals.push(surface.normal(triangle as usize));
                 points.len() as u32 - 1

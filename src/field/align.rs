@@ -1,19 +1,19 @@
-//! Alignment with curvature, where no guide and no feature speaks.
+//! Alignment with curvature, where neither a guide nor a feature constrains the field.
 //!
 //! # Theory
-//! Rows along principal directions bend least out of their plane, and their quads are flat. The pull on a cross is `weight
-//! (|k1| - |k2|)^2` per area, `k1` and `k2` the principal curvatures: where they are alike, as on a sphere, a plane and a
-//! symmetric saddle, there is none. The field's own energy, the square of its gradient, has the same unit, so that the
-//! weight is a number without unit and does not depend on the size of the model or of its triangles: on a cylinder of
-//! radius `R` a deviation dies away over the length `R / sqrt(weight)`.
+//! Rows along principal directions bend least out of their plane, and their quads are flat. The weight of the constraint is
+//! `weight (|k1| - |k2|)^2` per area, `k1` and `k2` the principal curvatures. Where they are equal, as on a sphere, a plane and a
+//! symmetric saddle, it is zero. The field's energy, the square of its gradient, has the same unit, so that `weight` has no unit
+//! and does not depend on the size of the model or of its triangles. On a cylinder of radius `R` a deviation decays over the
+//! length `R / sqrt(weight)`.
 
 use super::Sectors;
-use super::guides::{Grip, angle_along};
+use super::constraints::{DirectionConstraint, angle_along};
 use crate::surface::Surface;
 use crate::surface::curvature::{curvatures, radius_of_tile};
 use rayon::prelude::*;
 
-/// Without a side, the tile is this many typical edges wide.
+/// The width of a tile without a given side, in typical edges.
 const EDGES: f64 = 5.0;
 
 /// How the field is drawn to principal directions of curvature.
@@ -25,25 +25,30 @@ pub struct Align {
     pub side: Option<f64>,
 }
 
-/// The pulls of curvature on sectors that are whole and not gripped.
-pub(super) fn grips(surface: &Surface, sectors: &Sectors, align: &Align, gripped: &[Grip]) -> Vec<Grip> {
+/// The constraints of curvature on sectors that are whole and in none of the `others`.
+pub(super) fn constraints(
+    surface: &Surface,
+    sectors: &Sectors,
+    align: &Align,
+    others: &[DirectionConstraint],
+) -> Vec<DirectionConstraint> {
     if align.weight <= 0.0 {
         return Vec::new();
     }
-    let mut spoken: Vec<bool> = sectors.quarters.iter().map(|&quarters| quarters > 0).collect();
-    gripped.iter().for_each(|grip| spoken[grip.sector as usize] = true);
+    let mut constrained: Vec<bool> = sectors.quarters.iter().map(|&quarters| quarters > 0).collect();
+    others.iter().for_each(|other| constrained[other.sector as usize] = true);
     // The edge of an equilateral triangle of the mean area.
     let edge = || (surface.area() / surface.triangle_count() as f64 * 4.0 / 3f64.sqrt()).sqrt();
     let side = align.side.map_or_else(|| EDGES * edge(), |side| side / surface.frame().diagonal);
     let curvatures = curvatures(surface, radius_of_tile(side));
     (0..sectors.count() as u32)
         .into_par_iter()
-        .filter(|&sector| !spoken[sector as usize])
+        .filter(|&sector| !constrained[sector as usize])
         .filter_map(|sector| {
-            let bend = &curvatures[surface.origin(sectors.first_corner[sector as usize]) as usize];
-            let angle = angle_along(surface, sectors, sector, bend.directions[0])?;
-            let anisotropy = bend.values[0].abs() - bend.values[1].abs();
-            Some(Grip { sector, angle, density: Some(align.weight * anisotropy.powi(2)) })
+            let curvature = &curvatures[surface.origin(sectors.first_corner[sector as usize]) as usize];
+            let angle = angle_along(surface, sectors, sector, curvature.directions[0])?;
+            let anisotropy = curvature.values[0].abs() - curvature.values[1].abs();
+            Some(DirectionConstraint { sector, angle, density: Some(align.weight * anisotropy.powi(2)) })
         })
         .collect()
 }

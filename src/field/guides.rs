@@ -1,31 +1,27 @@
-//! Constraints of the field: features and the user's guides.
+//! The user's guides, and the constraints that they make.
 //!
 //! # Practice
-//! A guide without weight fixes the crosses that it reaches. One of weight `w` pulls at them, with `2 pi w` in all, shared
-//! by area, against links whose weights are cotangents and so do not depend on the triangles: as a plate's conductance
-//! between a disc and a ring `e` times as wide is `2 pi` too, a weight of 1 weighs about as much as the surroundings,
-//! whatever the radius and however fine the triangles are. How far that draws the cross at the guide's point of the way
-//! that an exact guide would: on the plate (18 degrees off, radius 0.03) 7 % for 0.1, 28 % for 0.3, 65 % for 1, 90 % for 3,
-//! 99 % for 10; on the wing, between two edges that want other rows (37 degrees, radius 0.1), 4 % for 0.3, 19 % for 1, 75 %
-//! for 3, 98 % for 10.
+//! A guide without weight fixes the crosses that it reaches. One of weight `w` constrains them with `2 pi w` in all, shared by
+//! area, against links whose weights are cotangents and do not depend on the triangles. A plate's conductance between a disc
+//! and a ring `e` times as wide is `2 pi` as well: a weight of 1 is about that of the surroundings, whatever the radius and the
+//! triangles. Its effect in figures: docs/experiments.md, field.
 
-use super::{Complex, Sectors};
+use super::Sectors;
+use super::constraints::{DirectionConstraint, angle_along, sector_area};
+use crate::surface::Surface;
 use crate::surface::nearest::{Triangles, nearest_on_segment};
-use crate::surface::{Surface, next, previous};
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use thiserror::Error;
 
 /// A guide without radius may be this share of the surface's diagonal away from it.
 const TOLERANCE: f64 = 0.02;
-/// The least sine of the angle between a guide and the normal: below, its direction along the surface says nothing.
-const LEAST_SINE: f64 = 0.1;
-/// Most places along a part of a stroke that are looked at.
+/// The most places along a part of a stroke that are examined.
 const MOST_PLACES: f64 = 10_000.0;
 
 /// The user's wish for the field (the paper's control vectors, section 1): a direction near a point or along a stroke.
@@ -148,93 +144,19 @@ fn rounded(length: &f64) -> f64 {
     format!("{length:.2e}").parse().unwrap_or(*length)
 }
 
-/// What draws an unknown towards a cross.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pull {
-    pub toward: Complex,
-    /// Against the weights of links; infinite: fixed.
-    pub weight: f32,
-}
-
-impl Pull {
-    pub fn none() -> Self {
-        Self { toward: [0.0, 0.0], weight: 0.0 }
-    }
-
-    pub fn fixed(toward: Complex) -> Self {
-        Self { toward, weight: f32::INFINITY }
-    }
-
-    pub fn is_fixed(&self) -> bool {
-        self.weight == f32::INFINITY
-    }
-
-    /// Adds another pull, to be made one by [`Pull::settle`]. What is fixed is averaged, and other pulls do not count.
-    pub fn add(&mut self, toward: Complex, weight: f32) {
-        if weight == f32::INFINITY && !self.is_fixed() {
-            *self = Self { toward: [0.0, 0.0], weight };
-        } else if self.is_fixed() && weight != f32::INFINITY {
-            return;
-        }
-        let share = if weight == f32::INFINITY { 1.0 } else { weight };
-        self.toward = [self.toward[0] + toward[0] * share, self.toward[1] + toward[1] * share];
-        if !self.is_fixed() {
-            self.weight += weight;
-        }
-    }
-
-    /// Makes the sum of several pulls one direction, as strong as what is left of them; pulls that cancel leave none.
-    pub fn settle(&mut self) {
-        let length = (self.toward[0] * self.toward[0] + self.toward[1] * self.toward[1]).sqrt();
-        let whole = if self.is_fixed() { 1.0 } else { self.weight };
-        if length > 1e-6 * whole {
-            self.toward = self.toward.map(|x| x / length);
-            self.weight = if self.is_fixed() { f32::INFINITY } else { length };
-        } else {
-            *self = Self::none();
-        }
-    }
-}
-
-/// A pull on one sector.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Grip {
-    pub sector: u32,
-    /// The direction, in radians from the sector's direction zero.
-    pub angle: f64,
-    /// The pull's weight per area of the surface (unit-sized); `None`: the cross is fixed.
-    pub density: Option<f64>,
-}
-
-impl Grip {
-    /// The cross that has the direction.
-    pub fn toward(&self) -> Complex {
-        let (s, c) = (4.0 * self.angle).sin_cos();
-        [c as f32, s as f32]
-    }
-}
-
-/// The pull on each sector: features fix theirs to run along the feature, grips draw the others.
-pub(crate) fn pulls(surface: &Surface, sectors: &Sectors, grips: &[Grip]) -> Vec<Pull> {
-    let along = |&quarters: &u8| if quarters > 0 { Pull::fixed([1.0, 0.0]) } else { Pull::none() };
-    let mut pulls: Vec<Pull> = sectors.quarters.iter().map(along).collect();
-    for grip in grips {
-        let weight = |density: f64| (density * sector_area(surface, sectors, grip.sector)) as f32;
-        pulls[grip.sector as usize].add(grip.toward(), grip.density.map_or(f32::INFINITY, weight));
-    }
-    pulls.iter_mut().filter(|pull| pull.weight > 0.0).for_each(Pull::settle);
-    pulls
-}
-
-/// Where the guides grip, and what became of each.
-pub(crate) fn grips(surface: &Surface, sectors: &Sectors, guides: &[Guide]) -> (Vec<Grip>, Vec<GuideReport>) {
+/// The constraints that guides make, and what became of each guide.
+pub(super) fn constraints(
+    surface: &Surface,
+    sectors: &Sectors,
+    guides: &[Guide],
+) -> (Vec<DirectionConstraint>, Vec<GuideReport>) {
     if guides.is_empty() {
         return (Vec::new(), Vec::new());
     }
     let triangles = Triangles::new(surface);
-    let (grips, reports): (Vec<_>, Vec<_>) =
-        guides.par_iter().map(|guide| Reach::new(&triangles, surface, sectors, guide).grip(guide)).unzip();
-    (grips.concat(), reports)
+    let (constraints, reports): (Vec<_>, Vec<_>) =
+        guides.par_iter().map(|guide| Reach::new(&triangles, surface, sectors, guide).constraints(guide)).unzip();
+    (constraints.concat(), reports)
 }
 
 /// A straight part of a guide: a segment, of no length for a control vector, and the direction along it.
@@ -287,8 +209,7 @@ impl<'a> Reach<'a> {
         reach
     }
 
-    /// Reaches the corners of the triangles nearest to a part, looked for in steps of half a triangle; returns these,
-    /// with the part.
+    /// Reaches the corners of the triangles nearest to a part, in steps of half a triangle; returns the triangles with the part.
     fn along(&mut self, triangles: &Triangles, part: usize) -> Vec<(u32, usize)> {
         let Part { start, end, .. } = self.parts[part];
         let way = end - start;
@@ -313,9 +234,9 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// Reaches the vertices within a radius that the surface inside the radius connects to triangles beneath the guide, not
-    /// those on the other side of a thin plate. Nearer triangles come first, and with the part that led to them: so each is
-    /// visited once, however many parts are near.
+    /// Reaches the vertices within a radius that the surface within the radius connects to triangles beneath the guide, not
+    /// those on the other side of a thin plate. Nearer triangles come first, with the part that led to them, so that each is
+    /// visited once.
     fn spread(&mut self, radius: f64, beneath: Vec<(u32, usize)>) {
         let corners = |triangle: u32| 3 * triangle..3 * triangle + 3;
         let entry = |reach: &Self, triangle: u32, part: usize| {
@@ -354,8 +275,8 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// The grips, and what is wrong with the guide.
-    fn grip(&self, guide: &Guide) -> (Vec<Grip>, GuideReport) {
+    /// The constraints, and what is wrong with the guide.
+    fn constraints(&self, guide: &Guide) -> (Vec<DirectionConstraint>, GuideReport) {
         let free = |sector: u32| self.sectors.quarters[sector as usize] == 0;
         let held: Vec<(u32, f64)> = self
             .reached
@@ -367,7 +288,7 @@ impl<'a> Reach<'a> {
             .collect();
         let area: f64 = held.iter().map(|&(sector, _)| sector_area(self.surface, self.sectors, sector)).sum();
         let density = guide.weight.map(|weight| TAU * weight / area.max(f64::MIN_POSITIVE));
-        let grips = held.iter().map(|&(sector, angle)| Grip { sector, angle, density }).collect();
+        let constraints = held.iter().map(|&(sector, angle)| DirectionConstraint { sector, angle, density }).collect();
 
         let diagonal = self.surface.frame().diagonal;
         let (distance, limit) = (self.farthest * diagonal, self.limit * diagonal);
@@ -382,36 +303,6 @@ impl<'a> Reach<'a> {
         } else {
             None
         };
-        (grips, GuideReport { name: guide.name.clone(), crosses: held.len(), trouble })
+        (constraints, GuideReport { name: guide.name.clone(), crosses: held.len(), trouble })
     }
-}
-
-/// A third of the area of the triangles at a sector.
-fn sector_area(surface: &Surface, sectors: &Sectors, sector: u32) -> f64 {
-    sectors.corners(surface, sector).map(|corner| f64::from(surface.double_area(corner as usize / 3)) / 6.0).sum()
-}
-
-/// A direction in space as a whole sector sees it, in radians from its direction zero; `None` where it points along the
-/// normal.
-pub(crate) fn angle_along(surface: &Surface, sectors: &Sectors, sector: u32, direction: DVec3) -> Option<f64> {
-    let angle = |corner: u32| {
-        let [o, p, q] =
-            [corner, next(corner), previous(corner)].map(|h| surface.points[surface.origin(h) as usize].as_dvec3());
-        let along = (p - o).try_normalize()?;
-        let across = along.cross(q - o).cross(along).try_normalize()?;
-        let (x, y) = (direction.dot(along), direction.dot(across));
-        (x.hypot(y) > LEAST_SINE * direction.length()).then(|| y.atan2(x))
-    };
-    // The corner that the direction runs through, or the one that it misses least: beyond it, angles are not its own.
-    let miss = |corner: u32, angle: f64| {
-        let middle = sectors.corner_angle(corner) / 2.0;
-        let off = (angle - middle).abs();
-        off.min(TAU - off) - middle
-    };
-    let seen = sectors.corners(surface, sector).filter_map(|corner| Some((corner, angle(corner)?)));
-    let (corner, angle) = seen.min_by(|a, b| miss(a.0, a.1).total_cmp(&miss(b.0, b.1)))?;
-    // The same angle on the side of the corner's middle.
-    let middle = sectors.corner_angle(corner) / 2.0;
-    let angle = angle + if angle < middle - PI { TAU } else { 0.0 };
-    Some(sectors.direction(corner, angle))
 }

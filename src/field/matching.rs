@@ -1,20 +1,21 @@
-//! The matching of crosses: which of one's directions is which of another's.
+//! The matching of crosses: which direction of one cross is which direction of another.
 
-use super::{Complex, Sectors};
+use super::Sectors;
+use crate::compute::Complex;
 use crate::surface::next;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// One direction of each sector's cross, in radians from its direction zero; on a feature that is direction zero itself.
+/// One direction of each sector's cross, in radians from the sector's direction zero; on a feature, direction zero itself.
 pub(crate) fn axes(sectors: &Sectors, crosses: &[Complex]) -> Vec<f64> {
     let on_feature = |sector: usize| sectors.quarters[sector] > 0;
     let axis = |z: &Complex| f64::from(z[1]).atan2(f64::from(z[0])) / 4.0;
     crosses.iter().enumerate().map(|(s, z)| if on_feature(s) { 0.0 } else { axis(z) }).collect()
 }
 
-/// How a cross goes along a half-edge.
+/// The matching of the crosses at the ends of a half-edge.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Passage {
-    /// By how much it turns, in radians, counter-clockwise: at most an eighth of a turn.
+pub(crate) struct Matching {
+    /// By how much the cross turns, in radians, counter-clockwise: at most an eighth of a turn.
     pub turn: f64,
     /// How many quarters its axis is turned by when it is read in the frame of the sector at the end.
     pub quarters: f64,
@@ -22,7 +23,7 @@ pub(crate) struct Passage {
     pub leaving: f64,
 }
 
-impl Passage {
+impl Matching {
     /// Along a half-edge; `axes` as [`axes`] makes them.
     pub fn along(sectors: &Sectors, axes: &[f64], h: u32) -> Self {
         let [from, to] = [h, next(h)].map(|corner| sectors.of_corner[corner as usize] as usize);

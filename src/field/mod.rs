@@ -1,63 +1,59 @@
 //! The cross field: four directions 90 degrees apart at each point of the surface, following features and guides.
 //!
 //! # Theory
-//! A cross is held as `z = (cos 4t, sin 4t)`, `t` its angle against a fixed axis, so that its four directions are one
-//! number. Neighbour `j` is read in `i`'s frame through a unit complex number a link, computed once, and smoothing is
-//! `z_i <- sum_j w_ij r_ij z_j` with cotangent weights: the connection Laplacian of Knöppel et al. 2013 (*Globally
-//! optimal direction fields*), diffused and normalised as in Viertel and Osting 2019.
+//! A cross is the complex number `z = (cos 4t, sin 4t)`, `t` its angle from a fixed axis, so that its four directions are one
+//! number. The smoothest field minimises the energy of the connection Laplacian of Knöppel et al. 2013 (*Globally optimal
+//! direction fields*), diffused and normalised as by Viertel and Osting 2019 (*An approach to quad meshing based on harmonic
+//! cross-valued maps and the Ginzburg-Landau theory*).
 //!
 //! # Changes versus the paper
 //! The paper (section 1) interpolates a vector field from control vectors. Here it is a cross field, and features and
 //! open boundaries guide it too.
 //!
 //! # Practice
-//! The unknowns are not vertices but *sectors*: a vertex on a feature has one a side, so that each side of a crease
-//! follows it on its own. A sector's angles are scaled to sum to 2 pi inside, to pi along a feature and to a multiple
-//! of 90 degrees at a corner, so that rows meet a feature squarely whatever its angle is in space.
+//! The unknowns are not vertices but *sectors*: a vertex on a feature has one on each side, so that each side of a crease follows
+//! it. A sector's angles are scaled to sum to 2 pi inside, to pi along a feature and to a multiple of 90 degrees at a corner, so
+//! that rows meet a feature at right angles whatever its angle in space.
 
 mod align;
+mod connection;
+mod constraints;
 mod guide_file;
 mod guides;
-pub(crate) mod hierarchy;
 pub(crate) mod matching;
-mod outset;
 mod sectors;
 mod singularities;
-pub mod smooth;
 mod stretch;
 
 pub use align::Align;
 pub use guide_file::{GuideFault, GuideFileError, read_guides};
 pub use guides::{Guide, GuideReport, GuideTrouble, Trace};
-pub use hierarchy::{Hierarchy, Level, Link, MIRRORED, Row};
 pub use sectors::Sectors;
-pub use singularities::{Seat, Singularity};
+pub use singularities::{Singularity, SingularityLocation};
 pub use stretch::{ASPECTS, Stretch, StretchError, StretchReport};
 
-use crate::compute::{Backend, ComputeError};
-use crate::geometry::{cross, fourth_root, unit};
+use crate::compute::{Backend, Complex, ComputeError, RelaxationSurface};
+use crate::geometry::{axis_at, barycentric};
 use crate::sizes::Sizes;
-use crate::surface::{Surface, shares};
+use crate::solver::{Hierarchy, NORMALISED_SWEEPS};
+use crate::surface::Surface;
 use glam::Vec3;
 
-/// A representation number `(cos 4t, sin 4t)`, or a weighted sum of such.
-pub type Complex = [f32; 2];
-
-/// What draws the field beside features.
+/// The constraints of the field beside features.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldOptions {
     /// The user's guides.
     pub guides: Vec<Guide>,
-    /// How the field is drawn to principal directions of curvature where no guide and no feature is. Default `None`: not.
+    /// How the field is aligned with principal directions of curvature where no guide and no feature is. Default `None`: not.
     pub align: Option<Align>,
-    /// Sweeps that normalise crosses at the end: a heat flow of their angle, in which opposite singularities that are near
-    /// each other meet and vanish. Default [`smooth::UNIT_SWEEPS`].
+    /// Normalised sweeps at the end: a heat flow of the angle, in which opposite singularities that are near each other meet and
+    /// vanish. Default 10.
     pub sweeps: u32,
 }
 
 impl Default for FieldOptions {
     fn default() -> Self {
-        Self { guides: Vec::new(), align: None, sweeps: smooth::UNIT_SWEEPS }
+        Self { guides: Vec::new(), align: None, sweeps: NORMALISED_SWEEPS }
     }
 }
 
@@ -86,13 +82,13 @@ impl Field {
     /// Where the backend fails.
     pub fn new(surface: &Surface, options: &FieldOptions, backend: &dyn Backend) -> Result<Self, ComputeError> {
         let sectors = Sectors::new(surface);
-        let (mut grips, guides) = guides::grips(surface, &sectors, &options.guides);
+        let (mut directions, guides) = guides::constraints(surface, &sectors, &options.guides);
         if let Some(align) = options.align {
-            grips.extend(align::grips(surface, &sectors, &align, &grips));
+            directions.extend(align::constraints(surface, &sectors, &align, &directions));
         }
-        let mut hierarchy = Hierarchy::new(surface, &sectors, &guides::pulls(surface, &sectors, &grips));
-        hierarchy.pace.last_flows = options.sweeps;
-        let crosses = backend.smooth(&hierarchy)?;
+        let constraints = constraints::combined(surface, &sectors, &directions);
+        let problem = connection::problem(surface, &sectors, &constraints);
+        let crosses = Hierarchy::directions(problem, options.sweeps)?.solve(backend)?;
         let in_triangles = sectors.in_triangles(&crosses, 4.0);
         Ok(Self { sectors, crosses, in_triangles, guides, sizes: Sizes::equal(), stretch: None })
     }
@@ -145,18 +141,12 @@ impl Field {
 
     /// One direction of the cross at a point of a triangle: a unit vector in the triangle's plane.
     pub(crate) fn axis(&self, surface: &Surface, triangle: u32, position: Vec3) -> Vec3 {
-        axis_at(surface.corners(triangle as usize), self.in_triangles[triangle as usize], position)
+        let corners = surface.corners(triangle as usize);
+        axis_at(corners, self.in_triangles[triangle as usize], barycentric(corners, position))
     }
-}
 
-/// One direction of the cross at a point of a triangle; the twin of `axis_at` in `shaders/relax.wgsl`.
-pub(crate) fn axis_at(corners: [Vec3; 3], z: [Complex; 3], position: Vec3) -> Vec3 {
-    let [a, b, c] = corners;
-    let normal = unit(cross(b - a, c - a));
-    let [wb, wc] = shares(corners, position);
-    let wa = (1.0 - wb - wc).max(0.0);
-    let blend = [z[0][0] * wa + z[1][0] * wb + z[2][0] * wc, z[0][1] * wa + z[1][1] * wb + z[2][1] * wc];
-    let (x, y) = fourth_root(blend);
-    let first = unit(b - a);
-    first * x + cross(normal, first) * y
+    /// The surface with the field's sizes and crosses, for the relaxation of tiles.
+    pub fn relaxation_surface(&self, surface: &Surface) -> RelaxationSurface {
+        RelaxationSurface::new(surface, &self.sizes, &self.in_triangles)
+    }
 }

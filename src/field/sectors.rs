@@ -1,9 +1,12 @@
 //! Sectors: the parts into which feature edges cut the triangles round a vertex, with their angles.
 
-use super::Complex;
+use crate::compute::Complex;
 use crate::surface::{NONE, Surface, next, next_corner, previous, previous_corner};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Cotangent weights are kept above this share of their typical size, so that a sweep is a mean.
+const LEAST_WEIGHT: f64 = 0.02;
 
 /// The sectors of a surface. A corner is named by the half-edge that leaves it.
 #[derive(Clone, Debug)]
@@ -149,6 +152,11 @@ impl Sectors {
     pub(crate) fn cotangent(&self, corner: u32) -> f64 {
         let (s, c) = self.corner_angle[corner as usize].sin_cos();
         c / s.max(1e-9)
+    }
+
+    /// The cotangent weight of a half-edge's link: half the cotangent of the angle opposite to it, within bounds.
+    pub(crate) fn edge_weight(&self, half_edge: u32) -> f64 {
+        (self.cotangent(previous(half_edge)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT)
     }
 
     /// The angle that reads a cross at the far end of a half-edge in the frame of the sector it leaves: add it.

@@ -1,39 +1,40 @@
-//! Singularities: where the field turns about a point.
+//! Singularities: points around which the field turns.
 //!
 //! # Theory
-//! Round a triangle, what the differences of the crosses along its edges leave of the excess of its scaled angles is a
-//! number of quarter turns: the index, in quarters, of the singularity inside. Angles are scaled so that all curvature lies
-//! in triangles, but for features' corners: there a vertex has a multiple of 90 degrees, and what that leaves of 360 is its
-//! index (of 180, on a boundary). By Poincaré and Hopf all indices add up to the Euler characteristic, on an open surface
-//! too, for the field follows its boundary.
+//! Around a triangle the differences of the crosses along its edges and the excess of its scaled angles sum to a number of
+//! quarter turns: the index, in quarters, of the singularity inside. Angles are scaled so that all curvature lies in triangles,
+//! except at corners of features. There a vertex has a multiple of 90 degrees, and its index is the difference to 360 degrees
+//! (to 180 on a boundary). By Poincaré and Hopf all indices sum to the Euler characteristic, on an open surface too, since the
+//! field follows its boundary.
 
-use super::{Complex, Sectors};
+use super::Sectors;
+use crate::compute::Complex;
 use crate::surface::{Surface, next};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Where a singularity is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seat {
+pub enum SingularityLocation {
     /// In this triangle, where the field has no direction.
     Triangle(u32),
     /// At this vertex, a corner of features, where each side has a direction of its own.
     Corner(u32),
 }
 
-/// A point that the field turns about.
+/// A point around which the field turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Singularity {
     /// Where it is.
-    pub seat: Seat,
+    pub location: SingularityLocation,
     /// The triangle's centre, or the vertex, in unit-sized coordinates.
     pub position: [f64; 3],
-    /// The turn of the field about it, in quarters of a full turn: positive where rows bend round it, as at a cube's corner.
+    /// The turn of the field around it, in quarters of a full turn: positive where rows bend around it, as at a cube's corner.
     pub quarters: i32,
 }
 
 impl Singularity {
-    /// The index: the turn of the field about it, in full turns.
+    /// The index: the turn of the field around it, in full turns.
     pub fn index(&self) -> f64 {
         f64::from(self.quarters) / 4.0
     }
@@ -47,7 +48,11 @@ pub(super) fn find(surface: &Surface, sectors: &Sectors, crosses: &[Complex]) ->
         .filter(|&(_, quarters)| quarters != 0)
         .map(|(triangle, quarters)| {
             let [a, b, c] = surface.corners(triangle as usize).map(|p| p.as_dvec3());
-            Singularity { seat: Seat::Triangle(triangle), position: ((a + b + c) / 3.0).into(), quarters }
+            Singularity {
+                location: SingularityLocation::Triangle(triangle),
+                position: ((a + b + c) / 3.0).into(),
+                quarters,
+            }
         });
     let mut all: Vec<Singularity> = in_triangles.collect();
     all.extend(at_corners(surface, sectors));
@@ -99,7 +104,7 @@ fn at_corners(surface: &Surface, sectors: &Sectors) -> Vec<Singularity> {
         .filter(|&(_, quarters)| quarters != 0)
         .map(|(vertex, quarters)| {
             let position = surface.points[vertex as usize].as_dvec3().into();
-            Singularity { seat: Seat::Corner(vertex), position, quarters }
+            Singularity { location: SingularityLocation::Corner(vertex), position, quarters }
         })
         .collect()
 }

@@ -1,38 +1,33 @@
-//! Which direction of each cross is the longer one, where tiles are to be rectangles.
+//! Anisotropy: which direction of each cross is the longer one, where tiles are rectangles.
 //!
 //! # Theory
-//! A cross has two directions, and rectangles need one of them: a direction without sign. Guides choose it where they are,
-//! and the matching of the crosses carries the choice on, swapped by each odd quarter turn. As numbers, 1 for the axis of a
-//! sector and -1 for the direction across it, choices that are carried on as smoothly as can be solve a Laplace equation
-//! whose links have a sign; its answer's sign is the choice. Where no odd number of quarter turns is about any point that
-//! is the guides' own choice everywhere, exactly. About a point with an odd number, such as a singularity of index 1/4,
-//! there is only a cross: the choice jumps along a *cut* from there, to another such point or to a boundary.
+//! A cross has two axes, and rectangles need one of them, without sign. Guides choose it where they are, and the matching of the
+//! crosses carries the choice on, swapped by each odd quarter turn. Let a sector have 1 where the axis is the longer one, and -1
+//! where the direction across it is. The smoothest continuation solves a Laplace equation whose links have a sign; the sign of
+//! the solution is the choice. Where no point has an odd number of quarter turns around it, this is the guides' choice
+//! everywhere, exactly. Around a point with an odd number, such as a singularity of index 1/4, there is only a cross: the choice
+//! jumps along a *cut* from there to another such point or to a boundary.
 //!
-//! Tiles at a cut are squares, and the logarithm of their aspect grows in proportion to the distance from it, to what was
-//! asked for over [`BLEND`] long sides.
+//! Tiles at a cut are squares. The logarithm of their aspect grows in proportion to the distance from the cut, to the asked one
+//! over [`BLEND`] long sides.
 //!
 //! # Changes versus the paper
 //! The paper has squares alone; the surface mosaics that it builds on (its references 1 and 2) have rectangles.
 //!
 //! # Practice
-//! [`BLEND`] of 0.5, 1, 2 and 4 long sides, at 6,000 points: fandisk at an aspect of 3 has Qr 0.982, 0.981, 0.983, 0.987 and
-//! a geometric mean of the sides' ratios of 2.78, 2.73, 2.54, 2.24; spot at 8 has 0.939, 0.970, 0.983, 0.979 and 6.0, 5.3,
-//! 4.1, 2.7.
+//! The choice passes creases, since the direction along a crease is the same on both sides, and places where sheets meet.
 //!
-//! The choice passes creases, the direction along a crease being the same on both sides, and places where sheets meet.
-//!
-//! A stretch is held as `log(side / mean side) (cos 2t, sin 2t)`, `t` the angle of the longer side: so it can be
-//! averaged, and says how long a tile is in any direction.
+//! A stretch is held as `log(side / mean side) (cos 2t, sin 2t)`, `t` the angle of the longer side: it can be averaged, and gives
+//! the length of a tile in any direction.
 
-use super::guides::Grip;
-use super::hierarchy::{Excess, Gathered, LEAST_WEIGHT, coarsen, gather};
-use super::matching::{Passage, axes};
-use super::smooth::Pace;
-use super::{Complex, Field, Guide, Hierarchy, Level, Link, Sectors, guides};
-use crate::compute::{Backend, ComputeError};
-use crate::geometry::{cross, dot, unit};
+use super::constraints::DirectionConstraint;
+use super::matching::{Matching, axes};
+use super::{Field, Guide, Sectors, guides};
+use crate::compute::{Backend, Complex, ComputeError, Link};
+use crate::geometry::{barycentric, cross, dot, unit};
 use crate::sizes::Growth;
-use crate::surface::{Surface, next, previous, shares};
+use crate::solver::{Hierarchy, Problem, Terms};
+use crate::surface::{Surface, next, previous};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -44,15 +39,14 @@ use thiserror::Error;
 /// The aspects that can be asked for.
 pub const ASPECTS: RangeInclusive<f64> = 1.0..=20.0;
 
-/// Over so many long sides the aspect grows from a square's to what was asked for.
+/// The long sides over which the aspect grows from a square's to the asked one (docs/experiments.md, field).
 const BLEND: f64 = 2.0;
-/// A guide that is farther from both directions of the cross than the angle of which this is the cosine of the double
-/// chooses none.
-const CLEAR: f64 = 0.2;
-/// Fainter values, as behind many cuts, may be roundings.
-const FAINT: f32 = 1e-6;
-/// Descents of the solver: signs alone count.
-const DESCENTS: u32 = 8;
+/// A guide chooses an axis where the cosine of twice the angle between them is at least this.
+const LEAST_AGREEMENT: f64 = 0.2;
+/// Smaller values, as behind many cuts, may be roundings.
+const NEGLIGIBLE: f32 = 1e-6;
+/// Iterations of the solver: signs alone count.
+const ITERATIONS: u32 = 8;
 
 /// Why tiles cannot be stretched.
 #[derive(Debug, Error)]
@@ -102,7 +96,7 @@ pub struct StretchReport {
     pub unguided: f64,
 }
 
-/// How much longer than its mean side a tile is, and in which direction, all over a surface.
+/// The ratio of a tile's side to its mean side in each direction, over a surface.
 #[derive(Clone, Debug)]
 pub struct Stretch {
     of_sectors: Vec<Complex>,
@@ -125,19 +119,19 @@ impl Stretch {
     ) -> Result<Self, StretchError> {
         StretchError::of_aspect(aspect)?;
         let sectors = field.sectors();
-        let web = Web::new(surface, sectors, axes(sectors, field.crosses()));
-        let wishes = web.wishes(&guides::grips(surface, sectors, guides).0);
-        if wishes.iter().all(|&wish| wish == 0.0) {
+        let graph = AxisGraph::new(surface, sectors, axes(sectors, field.crosses()));
+        let guided = graph.guided(&guides::constraints(surface, sectors, guides).0);
+        if guided.iter().all(|&choice| choice == 0.0) {
             return Err(StretchError::NoGuide);
         }
-        let choices = web.choices(&backend.smooth(&web.equations(&wishes))?);
+        let choices = graph.choices(&graph.equations(&guided).solve(backend)?);
         let full = aspect.ln() / 2.0;
-        let (logs, odd_singularities) = web.logs(&choices, full, full / (BLEND * side * aspect.sqrt()));
+        let (logs, odd_singularities) = graph.logs(&choices, full, full / (BLEND * side * aspect.sqrt()));
 
         let of_sectors: Vec<Complex> = (0..sectors.count())
             .map(|sector| {
-                let log = f64::from(choices[sector]) * logs[web.vertex(sector)];
-                let (s, c) = (2.0 * web.axes[sector]).sin_cos();
+                let log = f64::from(choices[sector]) * logs[graph.vertex(sector)];
+                let (s, c) = (2.0 * graph.axes[sector]).sin_cos();
                 [(log * c) as f32, (log * s) as f32]
             })
             .collect();
@@ -181,7 +175,7 @@ impl Stretch {
     /// The side over the mean one in a unit direction along a triangle.
     pub(crate) fn factor(&self, surface: &Surface, triangle: u32, position: Vec3, direction: Vec3) -> f32 {
         let corners = surface.corners(triangle as usize);
-        let [wb, wc] = shares(corners, position);
+        let [wb, wc] = barycentric(corners, position);
         let weights = [(1.0 - wb - wc).max(0.0), wb, wc];
         let z = self.in_triangles[triangle as usize];
         let [x, y] = [0, 1].map(|k| (0..3).map(|corner| z[corner][k] * weights[corner]).sum::<f32>());
@@ -193,26 +187,26 @@ impl Stretch {
     }
 }
 
-/// The sectors, and how the choice of a direction passes from one to another.
-struct Web<'a> {
+/// The sectors, and how the choice of an axis passes from one to another.
+struct AxisGraph<'a> {
     surface: &'a Surface,
     sectors: &'a Sectors,
     axes: Vec<f64>,
     /// Whether the axes at the two ends of each half-edge are different directions.
     swaps: Vec<bool>,
-    /// Pairs of sectors across features, both ways, sorted, and whether their axes are different directions.
+    /// Pairs of sectors across features, in both orders, sorted, and whether their axes are different directions.
     seams: Vec<(u32, u32, bool)>,
 }
 
-impl<'a> Web<'a> {
+impl<'a> AxisGraph<'a> {
     fn new(surface: &'a Surface, sectors: &'a Sectors, axes: Vec<f64>) -> Self {
         let swaps = |h: u32| {
             // A turn of just an eighth must be read alike from both sides.
             let twin = surface.twin(h).filter(|&twin| twin < h && !surface.features().is_feature(h));
-            Passage::along(sectors, &axes, twin.unwrap_or(h)).swaps()
+            Matching::along(sectors, &axes, twin.unwrap_or(h)).swaps()
         };
         let swaps = (0..3 * surface.triangle_count() as u32).into_par_iter().map(swaps).collect();
-        let mut web = Self { surface, sectors, axes, swaps, seams: Vec::new() };
+        let mut graph = Self { surface, sectors, axes, swaps, seams: Vec::new() };
         // Both ends of each side of each edge on a feature, by the edge's place.
         let mut ends = Vec::new();
         for h in (0..3 * surface.triangle_count() as u32).filter(|&h| surface.features().is_feature(h)) {
@@ -220,32 +214,31 @@ impl<'a> Web<'a> {
             let far = next(h);
             for (end, corner, angle) in [(from, h, 0.0), (to, far, sectors.corner_angle(far))] {
                 let sector = sectors.of_corner[corner as usize];
-                let off = (sectors.direction(corner, angle) - web.axes[sector as usize]) / FRAC_PI_2;
+                let off = (sectors.direction(corner, angle) - graph.axes[sector as usize]) / FRAC_PI_2;
                 ends.push(([from.min(to), from.max(to), end], sector, off.round().rem_euclid(2.0) == 1.0));
             }
         }
         ends.sort_unstable();
         for pair in ends.windows(2).filter(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1) {
             let [(_, a, across_a), (_, b, across_b)] = [pair[0], pair[1]];
-            web.seams.extend([(a, b, across_a != across_b), (b, a, across_a != across_b)]);
+            graph.seams.extend([(a, b, across_a != across_b), (b, a, across_a != across_b)]);
         }
-        web.seams.sort_unstable();
-        web.seams.dedup();
-        web
+        graph.seams.sort_unstable();
+        graph.seams.dedup();
+        graph
     }
 
     fn vertex(&self, sector: usize) -> usize {
         self.surface.origin(self.sectors.first_corner[sector]) as usize
     }
 
-    /// Visits the sectors that a choice passes to from one: each, whether it is swapped on the way, and the way's weight.
-    /// Those at one end of several half-edges are visited as often.
+    /// Visits the neighbours of a sector, each with whether the choice is swapped between the two, and with the link's weight.
+    /// A neighbour along several half-edges is visited as often.
     fn visit_neighbours(&self, sector: u32, mut visit: impl FnMut(u32, bool, f64)) {
         let Self { surface, sectors, .. } = self;
-        let weight = |h: u32| (sectors.cotangent(previous(h)) / 2.0).clamp(LEAST_WEIGHT, 1.0 / LEAST_WEIGHT);
         for corner in sectors.corners(surface, sector) {
             for (h, end) in [(corner, next(corner)), (previous(corner), previous(corner))] {
-                visit(sectors.of_corner[end as usize], self.swaps[h as usize], weight(h));
+                visit(sectors.of_corner[end as usize], self.swaps[h as usize], sectors.edge_weight(h));
             }
         }
         let start = self.seams.partition_point(|seam| seam.0 < sector);
@@ -253,18 +246,19 @@ impl<'a> Web<'a> {
         seams.for_each(|&(_, other, swaps)| visit(other, swaps, 1.0));
     }
 
-    /// What the guides choose in each sector: 1 its axis, -1 the direction across, 0 nothing.
-    fn wishes(&self, grips: &[Grip]) -> Vec<f32> {
+    /// The guides' choice in each sector: 1 its axis, -1 the direction across, 0 none.
+    fn guided(&self, directions: &[DirectionConstraint]) -> Vec<f32> {
         let mut sums = vec![0.0; self.axes.len()];
-        for grip in grips {
-            sums[grip.sector as usize] += (2.0 * (grip.angle - self.axes[grip.sector as usize])).cos();
+        for direction in directions {
+            sums[direction.sector as usize] += (2.0 * (direction.angle - self.axes[direction.sector as usize])).cos();
         }
-        sums.iter().map(|sum: &f64| if sum.abs() < CLEAR { 0.0 } else { sum.signum() as f32 }).collect()
+        sums.iter().map(|sum: &f64| if sum.abs() < LEAST_AGREEMENT { 0.0 } else { sum.signum() as f32 }).collect()
     }
 
-    /// The equations whose answer is each sector's choice, the wishes being fixed.
-    fn equations(&self, wishes: &[f32]) -> Hierarchy {
-        let Gathered { rows: excess, starts, links } = gather(self.axes.len(), |s, links| {
+    /// The equations whose solution's signs are the choices; `guided` ones are fixed.
+    fn equations(&self, guided: &[f32]) -> Hierarchy {
+        let right_hand_side = guided.iter().map(|&choice| [choice, 0.0]).collect();
+        let problem = Problem::new(right_hand_side, |s, links| {
             let own = links.len();
             self.visit_neighbours(s as u32, |neighbour, swaps, weight| {
                 let weight = (if swaps { -weight } else { weight }) as f32;
@@ -273,18 +267,14 @@ impl<'a> Web<'a> {
                     None => links.push(Link { neighbour, weight: [weight, 0.0] }),
                 }
             });
-            Excess { fixed: wishes[s] != 0.0, ..Excess::default() }
+            Terms { fixed: guided[s] != 0.0, ..Terms::default() }
         });
-        let pulls = wishes.iter().map(|&wish| [wish, 0.0]).collect();
-        let levels = coarsen(Level::new(&excess, &starts, links, pulls), excess);
-        let start = levels.len() - 1;
-        let crosses = levels[start].fixed_crosses();
-        Hierarchy { levels, start, crosses, pace: Pace { descents: DESCENTS, flows: 0, last_flows: 0 } }
+        Hierarchy::linear(problem, ITERATIONS)
     }
 
-    /// The signs of values; where these are faint, what passes there from others. 0 in parts without any.
+    /// The signs of values; negligible values take their neighbours' choices. 0 in parts without any.
     fn choices(&self, values: &[Complex]) -> Vec<f32> {
-        let sign = |&[x, _]: &Complex| if x.abs() < FAINT { 0.0 } else { x.signum() };
+        let sign = |&[x, _]: &Complex| if x.abs() < NEGLIGIBLE { 0.0 } else { x.signum() };
         let mut choices: Vec<f32> = values.iter().map(sign).collect();
         let mut reached: VecDeque<u32> = (0..).zip(&choices).filter(|(_, x)| **x != 0.0).map(|(s, _)| s).collect();
         while let Some(sector) = reached.pop_front() {
@@ -300,7 +290,7 @@ impl<'a> Web<'a> {
     }
 
     /// The logarithm of the longer side over the mean one at each vertex: `full`, but zero on cuts and growing from there by
-    /// `slope` at most. Also the number of points that cuts cannot but end at.
+    /// `slope` at most. Also the number of points at which cuts must end.
     fn logs(&self, choices: &[f32], full: f64, slope: f64) -> (Vec<f64>, usize) {
         let mut logs = vec![full; self.surface.vertex_count()];
         for sector in 0..choices.len() as u32 {
@@ -318,7 +308,7 @@ impl<'a> Web<'a> {
         (logs, self.swaps.chunks(3).filter(odd).count() + self.odd_corners())
     }
 
-    /// The corners of features about which the quarter turns are odd, sheets that meet there apart.
+    /// The corners of features with an odd number of quarter turns, each sheet that meets there apart.
     fn odd_corners(&self) -> usize {
         let is_odd = |v: u32| {
             let own = self.sectors.of_vertex(v);

@@ -1,12 +1,9 @@
-//! The stages that have a kernel, on the device.
+//! The kernels on the device, as a backend.
 
-use super::grid::GridKernels;
-use super::relax::{GpuGround, RelaxKernels};
-use super::smooth::SmoothKernels;
+use super::multigrid::{GpuMultigrid, MultigridKernels};
+use super::relaxation::{GpuRelaxation, RelaxationKernels};
 use super::{Gpu, GpuError};
-use crate::compute::{Backend, ComputeError, Ground};
-use crate::field::{Complex, Field, Hierarchy};
-use crate::surface::Surface;
+use crate::compute::{Backend, Complex, ComputeError, Level, Multigrid, RelaxationContext, RelaxationSurface};
 
 /// The name of this backend in reports.
 const NAME: &str = "gpu";
@@ -15,9 +12,8 @@ const NAME: &str = "gpu";
 #[derive(Debug)]
 pub struct GpuBackend<'gpu> {
     gpu: &'gpu Gpu,
-    grid: GridKernels,
-    relax: RelaxKernels,
-    smooth: SmoothKernels,
+    multigrid: MultigridKernels,
+    relaxation: RelaxationKernels,
 }
 
 impl<'gpu> GpuBackend<'gpu> {
@@ -26,7 +22,7 @@ impl<'gpu> GpuBackend<'gpu> {
     /// # Errors
     /// What the driver makes of them.
     pub fn new(gpu: &'gpu Gpu) -> Result<Self, GpuError> {
-        Ok(Self { gpu, grid: GridKernels::new(gpu)?, relax: RelaxKernels::new(gpu)?, smooth: SmoothKernels::new(gpu)? })
+        Ok(Self { gpu, multigrid: MultigridKernels::new(gpu)?, relaxation: RelaxationKernels::new(gpu)? })
     }
 }
 
@@ -45,11 +41,19 @@ impl Backend for GpuBackend<'_> {
         self.gpu.adapter().name.clone()
     }
 
-    fn smooth(&self, hierarchy: &Hierarchy) -> Result<Vec<Complex>, ComputeError> {
-        Ok(self.smooth.smooth(self.gpu, hierarchy)?)
+    fn multigrid<'a>(
+        &'a self,
+        levels: &'a [Level],
+        start: usize,
+        values: &[Complex],
+    ) -> Result<Box<dyn Multigrid + 'a>, ComputeError> {
+        Ok(Box::new(GpuMultigrid::new(self.gpu, &self.multigrid, levels, start, values)?))
     }
 
-    fn ground<'a>(&'a self, surface: &'a Surface, field: &'a Field) -> Result<Box<dyn Ground + 'a>, ComputeError> {
-        Ok(Box::new(GpuGround::new(self.gpu, &self.grid, &self.relax, surface, field)?))
+    fn relaxation<'a>(
+        &'a self,
+        surface: &'a RelaxationSurface,
+    ) -> Result<Box<dyn RelaxationContext + 'a>, ComputeError> {
+        Ok(Box::new(GpuRelaxation::new(self.gpu, &self.relaxation, surface)?))
     }
 }

@@ -1,7 +1,7 @@
-//! Conjugate gradients on the device: the scalar products and the vectors of `descend` in [`crate::field::smooth`].
+//! The kernels of `shaders/conjugate.wgsl`: the scalar products and the vectors of conjugate gradients.
 
 use super::{Access, Buffer, Gpu, GpuError, Kernel, Program, Recording, WORKGROUP};
-use crate::field::Complex;
+use crate::compute::Complex;
 use bytemuck::{Pod, Zeroable};
 
 /// `Sum` in `shaders/conjugate.wgsl`.
@@ -18,11 +18,11 @@ pub struct Sum {
     pub to: u32,
 }
 
-/// Places of sums: residual times correction, at this descent and at the one before in turns.
-const SLOPES: [u32; 2] = [0, 1];
-/// Way times image.
-const BEND: u32 = 2;
-/// Nothing: stays zero, and so does a ratio to it.
+/// The places of `r.z`, the residual times the correction, at this step and at the one before in turns.
+const R_Z: [u32; 2] = [0, 1];
+/// The place of `p.Ap`.
+const P_AP: u32 = 2;
+/// A place that stays zero, and so does a ratio to it.
 const ZERO: u32 = 3;
 /// The sums of blocks.
 const BLOCKS: u32 = 4;
@@ -33,7 +33,7 @@ pub(super) struct ConjugateKernels {
     program: Program,
     multiply: Kernel,
     total: Kernel,
-    turn: Kernel,
+    direction: Kernel,
     advance: Kernel,
     retreat: Kernel,
 }
@@ -41,19 +41,19 @@ pub(super) struct ConjugateKernels {
 /// What a level that is solved has in the device's memory.
 pub(super) struct Descent {
     count: usize,
-    /// The way of the last descent.
-    pub way: Buffer<Complex>,
-    /// What the equations make of it.
+    /// The direction `p`.
+    pub direction: Buffer<Complex>,
+    /// `A p`.
     pub image: Buffer<Complex>,
     sums: Buffer<f32>,
     /// Bound where a kernel changes nothing.
     idle: Buffer<Complex>,
-    /// The sums that end at each of the two slopes and at the bend, with what they sum up.
+    /// The sums that end at each of the two `r.z` and at `p.Ap`, each with the number of its terms.
     products: [Vec<(usize, Buffer<Sum>)>; 3],
-    /// The ratio of the first slope to nothing, and of each slope to the other.
-    shares: [Buffer<Sum>; 3],
-    /// The ratio of each slope to the bend.
-    lengths: [Buffer<Sum>; 2],
+    /// `beta`: zero at the first step, then the ratio of each `r.z` to the other.
+    betas: [Buffer<Sum>; 3],
+    /// `alpha`: the ratio of each `r.z` to `p.Ap`.
+    alphas: [Buffer<Sum>; 2],
 }
 
 impl Descent {
@@ -68,17 +68,17 @@ impl Descent {
             steps.iter().enumerate().map(place).collect()
         };
         let ratio = |numerator, denominator| sum(Sum { count: count as u32, numerator, denominator, to: 0 });
-        let [even, odd] = SLOPES;
+        let [even, odd] = R_Z;
         let places = steps.iter().map(|step| step.to as usize + step.count.div_ceil(WORKGROUP) as usize).max();
         Ok(Self {
             count,
-            way: gpu.zeros("the field's way", count)?,
-            image: gpu.zeros("the way's image", count)?,
-            sums: gpu.zeros("sums over the field", places.unwrap_or(0).max(BLOCKS as usize))?,
+            direction: gpu.zeros("the direction of conjugate gradients", count)?,
+            image: gpu.zeros("the direction's image", count)?,
+            sums: gpu.zeros("sums over the unknowns", places.unwrap_or(0).max(BLOCKS as usize))?,
             idle: gpu.zeros("nothing", 1)?,
-            products: [product(even)?, product(odd)?, product(BEND)?],
-            shares: [ratio(even, ZERO)?, ratio(odd, even)?, ratio(even, odd)?],
-            lengths: [ratio(even, BEND)?, ratio(odd, BEND)?],
+            products: [product(even)?, product(odd)?, product(P_AP)?],
+            betas: [ratio(even, ZERO)?, ratio(odd, even)?, ratio(even, odd)?],
+            alphas: [ratio(even, P_AP)?, ratio(odd, P_AP)?],
         })
     }
 }
@@ -103,15 +103,15 @@ impl ConjugateKernels {
         Ok(Self {
             multiply: program.kernel(gpu, "multiply")?,
             total: program.kernel(gpu, "total")?,
-            turn: program.kernel(gpu, "turn")?,
+            direction: program.kernel(gpu, "direction")?,
             advance: program.kernel(gpu, "advance")?,
             retreat: program.kernel(gpu, "retreat")?,
             program,
         })
     }
 
-    /// Makes the correction conjugate to the ways before: descent `number`'s way.
-    pub fn turn(
+    /// Makes the correction conjugate to the directions before: the direction of step `number`.
+    pub fn update_direction(
         &self,
         gpu: &Gpu,
         recording: &mut Recording,
@@ -121,27 +121,27 @@ impl ConjugateKernels {
         number: u32,
     ) -> Result<(), GpuError> {
         self.product(gpu, recording, descent, [residual, correction], number as usize % 2)?;
-        let share = &descent.shares[if number == 0 { 0 } else { 2 - number as usize % 2 }];
-        let bindings = self.program.bind(gpu, &[share, correction, residual, &descent.way, &descent.sums])?;
-        recording.dispatch(&self.turn, &bindings, descent.count);
+        let beta = &descent.betas[if number == 0 { 0 } else { 2 - number as usize % 2 }];
+        let bindings = self.program.bind(gpu, &[beta, correction, residual, &descent.direction, &descent.sums])?;
+        recording.dispatch(&self.direction, &bindings, descent.count);
         Ok(())
     }
 
-    /// Goes along the way, whose image is known, to the least energy.
+    /// Goes along the direction, whose image is known, to the least energy.
     pub fn advance(
         &self,
         gpu: &Gpu,
         recording: &mut Recording,
         descent: &Descent,
-        crosses: &Buffer<Complex>,
+        values: &Buffer<Complex>,
         residual: &Buffer<Complex>,
         number: u32,
     ) -> Result<(), GpuError> {
-        let (way, image) = (&descent.way, &descent.image);
-        self.product(gpu, recording, descent, [way, image], 2)?;
-        let length = &descent.lengths[number as usize % 2];
-        for (kernel, along, changed) in [(&self.advance, way, crosses), (&self.retreat, image, residual)] {
-            let bindings = self.program.bind(gpu, &[length, along, along, changed, &descent.sums])?;
+        let (direction, image) = (&descent.direction, &descent.image);
+        self.product(gpu, recording, descent, [direction, image], 2)?;
+        let alpha = &descent.alphas[number as usize % 2];
+        for (kernel, along, changed) in [(&self.advance, direction, values), (&self.retreat, image, residual)] {
+            let bindings = self.program.bind(gpu, &[alpha, along, along, changed, &descent.sums])?;
             recording.dispatch(kernel, &bindings, descent.count);
         }
         Ok(())

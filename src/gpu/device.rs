@@ -6,13 +6,13 @@ use std::time::Duration;
 
 use super::GpuError;
 
-/// A batch is sized in seconds even on a software adapter; whoever waits this long waits for a hung driver.
+/// The longest wait for a batch. Batches take seconds even on a software adapter; a longer wait means a hung driver.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Creating two devices at once crashes lavapipe (gfx-rs/wgpu#10234).
 static CREATION: Mutex<()> = Mutex::new(());
 
-/// What there is to know about a GPU before it is opened.
+/// The description of a GPU before it is opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct AdapterSummary {
@@ -78,7 +78,7 @@ pub struct Gpu {
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,
     adapter: AdapterSummary,
-    /// The first fault that no call of ours could be blamed for; the device is not to be trusted after it.
+    /// The first fault that no call caused; the device cannot be trusted after it.
     fault: Arc<OnceLock<GpuError>>,
 }
 
@@ -117,7 +117,7 @@ impl Gpu {
         &self.adapter
     }
 
-    /// Runs `work`, and turns what the driver complains of meanwhile into an error; `wgpu` alone would panic.
+    /// Runs `work`, and turns the driver's complaints into an error; `wgpu` alone would panic.
     pub(super) fn guarded<T>(&self, what: &str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
         let filters = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal];
         let [memory, validation, internal] = filters.map(|filter| self.device.push_error_scope(filter));

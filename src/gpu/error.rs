@@ -1,4 +1,4 @@
-//! What can go wrong on the way to the GPU and back.
+//! The errors of the GPU backend.
 
 use thiserror::Error;
 

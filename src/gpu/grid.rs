@@ -1,9 +1,9 @@
-//! The neighbour grid on the device: the twin of [`crate::mosaic::grid`].
+//! The kernels of `shaders/grid.wgsl`: the neighbour grid.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::{Access, Buffer, Gpu, GpuError, Kernel, Program, Recording, WORKGROUP};
-use crate::mosaic::grid::bucket_count;
+use crate::compute::bucket_count;
 
 /// `Grid` in `shaders/common.wgsl`: how points fall into buckets.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

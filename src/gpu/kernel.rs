@@ -1,9 +1,9 @@
-//! Kernels, what they are bound to, and batches of dispatches.
+//! Kernels, their bindings, and batches of dispatches.
 
 use super::{Buffer, Gpu, GpuError};
 
-/// Invocations in a workgroup of every kernel; the same number stands in `shaders/common.wgsl`.
-pub const WORKGROUP: u32 = 256;
+/// Invocations in a workgroup of every kernel.
+pub const WORKGROUP: u32 = crate::compute::WORKGROUP as u32;
 
 /// What the kernels of a [`Program`] do with one of their bindings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ impl Program {
         let joined = [include_str!("../../shaders/common.wgsl"), source].join("\n");
         let entries: Vec<_> = access.iter().enumerate().map(|(binding, access)| access.layout_entry(binding)).collect();
         gpu.guarded(name, || {
-            // Checked: leaving out the checks of bounds and loops changed no kernel's time on lavapipe by more than noise.
+            // With checks of bounds and loops: they cost no time that can be measured (docs/experiments.md, solver).
             let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(name),
                 source: wgpu::ShaderSource::Wgsl(joined.into()),
@@ -137,7 +137,7 @@ pub struct Kernel {
     pipeline: wgpu::ComputePipeline,
 }
 
-/// Buffers in the places where a [`Program`]'s kernels look for them.
+/// Buffers bound in the order of a [`Program`]'s bindings.
 #[derive(Clone, Debug)]
 pub struct Bindings {
     group: wgpu::BindGroup,
@@ -161,7 +161,7 @@ impl Recording<'_> {
     /// Runs `kernel` with at least `invocations` invocations, in workgroups of [`WORKGROUP`].
     ///
     /// Above 65,535 workgroups the dispatch is two-dimensional: kernels take their number from `invocation_of` in
-    /// `shaders/common.wgsl`, and leave where it is past their last record.
+    /// `shaders/common.wgsl`, and return where it is past their last record.
     pub fn dispatch(&mut self, kernel: &Kernel, bindings: &Bindings, invocations: usize) {
         let [x, y] = workgroups(invocations);
         let mut pass = self.encoder.begin_compute_pass(&Default::default());

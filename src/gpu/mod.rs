@@ -1,6 +1,7 @@
 //! The GPU backend: the one place that names `wgpu`.
 //!
 //! # Practice
+//! One file for each file of `shaders/`, with the same stem; `multigrid` and `relaxation` put their kernels together.
 //!
 //! [`Gpu::open`] gives a device, [`Program`] the kernels of one file of `shaders/`, [`Buffer`] typed memory on the
 //! device, and [`Recording`] a batch of dispatches that goes to the device in one submission. Read-back is a wait,
@@ -16,8 +17,12 @@ mod device;
 mod error;
 pub mod grid;
 mod kernel;
-pub mod relax;
+mod multigrid;
+mod neighbours;
+mod relax;
+mod relaxation;
 pub mod smooth;
+pub mod transfer;
 
 pub use backend::GpuBackend;
 pub use buffer::Buffer;

@@ -208,7 +208,8 @@ impl<'a> Filler<'a> {
             4 if self.holes == Holes::Triangles => f64::INFINITY,
             _ => self.face_cost(&vertices(places)),
         };
-        let chord = |i: usize, j: usize| if self.may_join(polygon[i], polygon[j], region) { 0.0 } else { f64::INFINITY };
+        let chord =
+            |i: usize, j: usize| if self.may_join(polygon[i], polygon[j], region) { 0.0 } else { f64::INFINITY };
         let cut = polygon::cut(polygon.len(), face, chord);
         let triangles = || region.iter().map(|&f| [0, 1, 2].map(|k| self.faces.origin[3 * f as usize + k]).to_vec());
         let parts: Vec<Vec<u32>> =

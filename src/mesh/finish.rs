@@ -7,7 +7,7 @@ use super::objective::Context;
 use super::regions::with_regions;
 use super::surface_mesh::SurfaceMesh;
 use super::{Mesh, Triangulation};
-use crate::mosaic::{Mosaic, Seat};
+use crate::mosaic::{FeaturePoint, Mosaic};
 use rayon::prelude::*;
 
 /// A mesh and what became of the surface in it.
@@ -32,7 +32,8 @@ pub fn finish(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic, triangulat
         join(&named, &triangulation.joints(mesh.vertices().iter().map(|vertex| vertex.origin)));
     let tips = context.tips_of_shared_curves();
     for (v, vertex) in mesh.vertices().iter().enumerate() {
-        if let Some(Seat::Vertex(tip)) = mosaic.sites.get(vertex.origin as usize).map(|site| site.seat)
+        if let Some(FeaturePoint::Vertex(tip)) =
+            mosaic.feature_samples.get(vertex.origin as usize).map(|sample| sample.point)
             && tips.contains(&tip)
         {
             branches[number[v] as usize] = true;

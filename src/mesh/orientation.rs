@@ -124,7 +124,8 @@ mod tests {
 
     /// A floor that looks up, and a wall below its edge at x = 1 that looks along x.
     fn floor_and_wall() -> Surface {
-        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, -1.0], [1.0, 1.0, -1.0]];
+        let points =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, -1.0], [1.0, 1.0, -1.0]];
         surface(points.to_vec(), vec![[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])
     }
 

@@ -20,7 +20,7 @@ pub(crate) fn with_regions(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosai
     let of = |triangle: u32| regions.of_face[triangle as usize];
     let touched = |v: u32| -> Vec<u32> {
         let origin = mesh.vertex(v).origin as usize;
-        if origin >= mosaic.sites.len() {
+        if origin >= mosaic.feature_samples.len() {
             return Vec::new();
         }
         mosaic.sides_of(origin).iter().map(|side| of(side.triangle)).collect()

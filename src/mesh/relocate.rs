@@ -252,8 +252,7 @@ impl View<'_> {
 
     /// The score of the faces and feature edges at a vertex if it were at a position.
     fn score(&self, v: u32, position: &Position, range: Option<&Range>) -> Score {
-        let faces: Score = self
-            .mesh.around(v).iter().map(|&f| self.measure(f, Some((v, position))).score(0.0)).sum();
+        let faces: Score = self.mesh.around(v).iter().map(|&f| self.measure(f, Some((v, position))).score(0.0)).sum();
         let chords = range.map_or(0.0, |range| self.chords(v, position, range));
         Score { loss: faces.loss + chords, ..faces }
     }

@@ -267,9 +267,10 @@ impl SurfaceMesh {
 
     /// The mean length of all edges.
     pub(crate) fn mean_edge(&self) -> f64 {
-        let (sum, count) = self.faces().flat_map(sides).fold((0.0, 0usize), |(sum, count), [a, b]| {
-            (sum + self.point(a).distance(self.point(b)), count + 1)
-        });
+        let (sum, count) = self
+            .faces()
+            .flat_map(sides)
+            .fold((0.0, 0usize), |(sum, count), [a, b]| (sum + self.point(a).distance(self.point(b)), count + 1));
         sum / count.max(1) as f64
     }
 }

@@ -21,10 +21,9 @@ use super::intrinsic::Intrinsic;
 use super::surface_mesh::{Place, SurfaceMesh, Vertex};
 use crate::field::Field;
 use crate::geometry::cross;
-use crate::mosaic::chart::{Chart, Spot};
-use crate::mosaic::oblong::factors;
-use crate::mosaic::phases::Cone;
-use crate::mosaic::{Mosaic, Seat, Tile};
+use crate::mosaic::anisotropic::factors;
+use crate::mosaic::{FeaturePoint, Mosaic, Tile};
+use crate::parametrize::{Cone, GridMetric, PlacedCone};
 use crate::surface::{NONE, Surface, shared_curves};
 use glam::{DVec3, Vec3};
 use rustc_hash::FxHashMap;
@@ -56,7 +55,7 @@ pub struct Triangulation {
 
 /// Triangulates the tiles of a mosaic.
 pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangulation {
-    let mut work = Work::new(surface, field, mosaic.chart.as_ref());
+    let mut work = Work::new(surface, field, mosaic.metric.as_ref());
     let cones = work.place_cones();
     let sites = work.place_sites(surface, mosaic);
     work.unlock_ends(mosaic, &sites);
@@ -65,23 +64,24 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     sites.iter().chain(&free).for_each(|&vertex| is_tile[vertex as usize] = true);
     let left = work.remove_others(&is_tile);
     let order: Vec<u32> = sites.iter().chain(&free).chain(&left).copied().collect();
-    let mut tiles: Vec<Tile> = mosaic.sites.iter().map(|site| mosaic.tiles[site.first_side as usize]).collect();
+    let mut tiles: Vec<Tile> =
+        mosaic.feature_samples.iter().map(|site| mosaic.tiles[site.first_side as usize]).collect();
     tiles.extend_from_slice(mosaic.free());
     tiles.extend(left.iter().map(|&v| {
         let corner = work.home_corner[v as usize];
         Tile::free(surface, field, corner / 3, surface.points[v as usize], mosaic.scale)
     }));
-    let sides = tiles.iter().map(|tile| if mosaic.chart.is_some() { 1.0 } else { f64::from(tile.h) }).collect();
+    let sides = tiles.iter().map(|tile| if mosaic.metric.is_some() { 1.0 } else { f64::from(tile.h) }).collect();
     let faces = work.faces.compacted(&order);
     let mut same_place: Vec<u32> = (0..order.len() as u32).collect();
-    for (v, site) in mosaic.sites.iter().enumerate() {
+    for (v, site) in mosaic.feature_samples.iter().enumerate() {
         same_place[v] = site.same_place;
     }
     let factors = factors(surface, field, &tiles);
-    let seats = Seats::new(surface);
+    let places = FeaturePlaces::new(surface);
     let vertex = |(v, tile): (usize, &Tile)| {
-        let (place, triangles) = match mosaic.sites.get(v) {
-            Some(site) => seats.place(site.seat, mosaic.sides_of(v)),
+        let (place, triangles) = match mosaic.feature_samples.get(v) {
+            Some(sample) => places.place(sample.point, mosaic.sides_of(v)),
             None if v < order.len() - left.len() => (Place::Free, [tile.triangle; 2]),
             None => (Place::Corner, [NONE; 2]),
         };
@@ -104,7 +104,7 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
 const REGULAR: u8 = 4;
 
 /// Where on the feature curves of a surface its half-edges and vertices are.
-struct Seats<'a> {
+struct FeaturePlaces<'a> {
     surface: &'a Surface,
     /// Whether several sheets share each curve.
     shared: Vec<bool>,
@@ -114,7 +114,7 @@ struct Seats<'a> {
     vertices: FxHashMap<u32, (u32, usize)>,
 }
 
-impl<'a> Seats<'a> {
+impl<'a> FeaturePlaces<'a> {
     fn new(surface: &'a Surface) -> Self {
         let (mut segments, mut vertices) = (FxHashMap::default(), FxHashMap::default());
         for (id, curve) in (0..).zip(surface.features().curves()) {
@@ -131,20 +131,20 @@ impl<'a> Seats<'a> {
     }
 
     /// Where a tile on a feature is, and the triangles on its two sides; `sides` are the tile as these see it.
-    fn place(&self, seat: Seat, sides: &[Tile]) -> (Place, [u32; 2]) {
+    fn place(&self, point: FeaturePoint, sides: &[Tile]) -> (Place, [u32; 2]) {
         let triangles = match *sides {
             [one] => [one.triangle; 2],
             [one, other] => [one.triangle, other.triangle],
             _ => [NONE; 2],
         };
         let curves = self.surface.features().curves();
-        let place = match seat {
-            Seat::Edge(h, share) => self.segments.get(&h).map(|&(curve, k)| {
+        let place = match point {
+            FeaturePoint::Edge(h, share) => self.segments.get(&h).map(|&(curve, k)| {
                 let s = curves[curve as usize].arc(self.surface, k, h, share);
                 (curve, s)
             }),
-            Seat::Vertex(v) if self.surface.features().is_corner(v) => None,
-            Seat::Vertex(v) => self.vertices.get(&v).map(|&(curve, k)| (curve, curves[curve as usize].arcs[k])),
+            FeaturePoint::Vertex(v) if self.surface.features().is_corner(v) => None,
+            FeaturePoint::Vertex(v) => self.vertices.get(&v).map(|&(curve, k)| (curve, curves[curve as usize].arcs[k])),
         };
         let place = place.filter(|(curve, _)| !self.shared[*curve as usize]);
         (place.map_or(Place::Corner, |(curve, s)| Place::OnCurve { curve, s }), triangles)
@@ -186,7 +186,7 @@ impl Triangulation {
 
 struct Work<'a> {
     /// The mosaic's own metric, where it has one.
-    chart: Option<&'a Chart>,
+    chart: Option<&'a GridMetric>,
     faces: Intrinsic,
     /// The triangle of the surface that each face lies in, while no edge of the surface has been flipped.
     home: Vec<u32>,
@@ -196,7 +196,7 @@ struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    fn new(surface: &Surface, field: &Field, chart: Option<&'a Chart>) -> Self {
+    fn new(surface: &Surface, field: &Field, chart: Option<&'a GridMetric>) -> Self {
         let sectors = field.sectors();
         let count = 3 * surface.triangle_count();
         let mut faces = Intrinsic {
@@ -241,18 +241,18 @@ impl<'a> Work<'a> {
     /// The vertices of the cones, which become corners of the triangles that hold them.
     fn place_cones(&mut self) -> Vec<u32> {
         let Some(chart) = self.chart else { return Vec::new() };
-        let place = |spot: &Spot| {
-            let Cone { triangle, arms } = spot.cone;
+        let place = |spot: &PlacedCone| {
+            let Cone { triangle, from_corners } = spot.cone;
             let h = [0, 1, 2].map(|k| 3 * triangle as usize + k);
             // How far each side turns as the cone sees it, in the frame of the corner where it begins.
             let turns = [0, 1, 2].map(|k| {
-                let ([u, v], [x, y]) = (arms[k], chart.steps[h[k]]);
+                let ([u, v], [x, y]) = (from_corners[k], chart.steps[h[k]]);
                 let (from, to) = ([-u, -v], [x - u, y - v]);
                 (from[0] * to[1] - from[1] * to[0]).atan2(from[0] * to[0] + from[1] * to[1]).abs()
             });
-            let first = (-arms[0][1]).atan2(-arms[0][0]);
+            let first = (-from_corners[0][1]).atan2(-from_corners[0][0]);
             let directions = [first, first + turns[0], first + turns[0] + turns[1]];
-            let vertex = self.faces.split_face(triangle, arms.map(|[u, v]| u.hypot(v)), directions);
+            let vertex = self.faces.split_face(triangle, from_corners.map(|[u, v]| u.hypot(v)), directions);
             let last = self.faces.leaving.len();
             debug_assert_eq!(vertex as usize + 1, last);
             let closing = 3 * (self.faces.face_count() - 1) + 2;
@@ -266,12 +266,12 @@ impl<'a> Work<'a> {
 
     /// The vertex of each site.
     fn place_sites(&mut self, surface: &Surface, mosaic: &Mosaic) -> Vec<u32> {
-        let mut vertices = vec![NONE; mosaic.sites.len()];
+        let mut vertices = vec![NONE; mosaic.feature_samples.len()];
         let mut on_edges: Vec<(u32, f64, usize)> = Vec::new();
-        for (i, site) in mosaic.sites.iter().enumerate() {
-            match site.seat {
-                Seat::Vertex(v) => vertices[i] = v,
-                Seat::Edge(h, share) => on_edges.push((h, share, i)),
+        for (i, site) in mosaic.feature_samples.iter().enumerate() {
+            match site.point {
+                FeaturePoint::Vertex(v) => vertices[i] = v,
+                FeaturePoint::Edge(h, share) => on_edges.push((h, share, i)),
             }
         }
         let mut ring = Vec::new();
@@ -305,7 +305,7 @@ impl<'a> Work<'a> {
         let mut is_site = vec![false; self.faces.leaving.len()];
         sites.iter().for_each(|&vertex| is_site[vertex as usize] = true);
         let mut ring = Vec::new();
-        let mut ends: Vec<u32> = mosaic.rulers.loose.iter().copied().collect();
+        let mut ends: Vec<u32> = mosaic.curve_parameters.released_ends.iter().copied().collect();
         ends.sort_unstable();
         for end in ends {
             let mut vertex = end;
@@ -378,7 +378,7 @@ impl<'a> Work<'a> {
             |a, b, f, length| match chart {
                 Some(chart) => {
                     let [a, b] = [a, b].map(|v| points[v as usize]);
-                    let parts = chart.parts(surface, home[f as usize]);
+                    let parts = chart.pieces(surface, home[f as usize]);
                     // Across the sides of a cone's parts coordinates are not linear.
                     if parts.len() > 1 {
                         return length;
@@ -442,11 +442,11 @@ impl<'a> Work<'a> {
 
 /// Sets the directions of corners to those of the mosaic's own coordinates, at all sectors whose triangles they keep in
 /// order.
-fn chart_directions(faces: &mut Intrinsic, surface: &Surface, field: &Field, chart: &Chart) {
+fn chart_directions(faces: &mut Intrinsic, surface: &Surface, field: &Field, chart: &GridMetric) {
     let sectors = field.sectors();
     let wrapped = |angle: f64| angle - (angle / TAU).round() * TAU;
     let corner = |h: u32| {
-        let [begin, end] = chart.corner(h);
+        let [begin, end] = chart.corner_directions(h);
         let begin = faces.begin[h as usize] + wrapped(begin - faces.begin[h as usize]);
         let end = faces.end[h as usize] + wrapped(end - faces.end[h as usize]);
         [begin, end]

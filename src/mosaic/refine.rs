@@ -1,13 +1,14 @@
-//! From a coarse mosaic to one of a third of the side: each tile becomes three by three.
+//! Refinement: each tile of a coarse mosaic becomes three by three of a third of its side.
 //!
-//! The middle one of the nine stays where its parent was, so rows that lie on features stay there.
+//! The middle one of the nine keeps its parent's place, so that rows on features stay there.
 
-use super::{Mosaic, Tile};
+use super::Mosaic;
+use crate::compute::Tile;
 use crate::field::Field;
 use crate::surface::{Surface, WALK_EDGES, walk};
 use rayon::prelude::*;
 
-/// The free tiles at the scale `h` that the mosaic's tiles, and those on features towards the inside, split into.
+/// The free tiles at the scale `h` into which the mosaic's tiles split; those on features split towards the inside.
 pub fn refine(surface: &Surface, field: &Field, mosaic: &Mosaic, h: f32) -> Vec<Tile> {
     mosaic
         .tiles

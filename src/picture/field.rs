@@ -1,16 +1,16 @@
 //! Scenes of cross fields: streamlines or crosses on the surface, and singularities.
 //!
 //! # Theory
-//! Streamlines are kept apart after Jobard and Lefer (*Creating evenly-spaced streamlines of arbitrary density*, 1997): one
-//! begins where no other that runs alike is near, and ends where it comes near to one. The lines of a cross field are of no
-//! two families that could be told apart everywhere, so that only their directions are compared.
+//! Streamlines are spaced after Jobard and Lefer (*Creating evenly-spaced streamlines of arbitrary density*, 1997): one begins
+//! where no other in the same direction is near, and ends where it comes near to one. The lines of a cross field do not fall into
+//! two families, so that only directions are compared.
 
 use super::mesh::surface_scene;
 use super::{Colour, Pen, Scene};
-use crate::field::{Field, Seat};
+use crate::field::{Field, SingularityLocation};
 use crate::geometry::{cross, dot};
-use crate::surface::spread::{Spot, spread};
-use crate::surface::{Surface, WALK_EDGES, walk};
+use crate::surface::sampling::sample_evenly;
+use crate::surface::{Surface, SurfacePoint, WALK_EDGES, walk};
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
@@ -24,10 +24,10 @@ pub enum FieldStyle {
     Crosses,
 }
 
-/// So many crosses, or distances between streamlines squared, make a surface.
+/// The crosses on a surface, and the squares of the distance between streamlines that cover it.
 const CROSSES: f64 = 1_500.0;
 const STREAMS: f64 = 4_000.0;
-/// Places at which a cross, or a line, is tried, for each that may be drawn.
+/// Points at which a cross, or a line, is tried, for each that may be drawn.
 const TRIES: f64 = 12.0;
 /// Half the length of a cross's arm, in distances between crosses.
 const ARM: f32 = 0.38;
@@ -37,7 +37,7 @@ const STEPS: i32 = 4;
 const LONGEST: i32 = 400;
 /// A streamline ends where it is nearer than this to another, in distances.
 const NEAREST: f32 = 0.6;
-/// Lines lie so high above the surface, in distances.
+/// The height of lines above the surface, in distances.
 const LIFT: f32 = 0.03;
 /// Directions and normals that are alike have at least this cosine.
 const ALIKE: f32 = 0.7;
@@ -59,9 +59,9 @@ pub fn field_scene(surface: &Surface, field: &Field, style: FieldStyle) -> Scene
     let pens = [dot(Colour::RED), dot(Colour::BLUE)].map(|pen| scene.pen(pen));
     for singularity in field.singularities(surface) {
         let place = surface.frame().to_model(singularity.position);
-        let normal = match singularity.seat {
-            Seat::Triangle(triangle) => surface.normal(triangle as usize),
-            Seat::Corner(_) => Vec3::ZERO,
+        let normal = match singularity.location {
+            SingularityLocation::Triangle(triangle) => surface.normal(triangle as usize),
+            SingularityLocation::Corner(_) => Vec3::ZERO,
         };
         scene.line([place; 2], normal, pens[usize::from(singularity.quarters < 0)]);
     }
@@ -70,31 +70,31 @@ pub fn field_scene(surface: &Surface, field: &Field, style: FieldStyle) -> Scene
 
 /// A point of a line: in a triangle, and raised above it.
 #[derive(Clone, Copy)]
-struct Post {
-    spot: Spot,
+struct RaisedPoint {
+    point: SurfacePoint,
     normal: Vec3,
     raised: Vec3,
 }
 
-impl Post {
-    fn new(surface: &Surface, spot: Spot, lift: f32) -> Self {
-        let normal = surface.normal(spot.triangle as usize);
-        Self { spot, normal, raised: spot.position + normal * lift }
+impl RaisedPoint {
+    fn new(surface: &Surface, point: SurfacePoint, lift: f32) -> Self {
+        let normal = surface.normal(point.triangle as usize);
+        Self { point, normal, raised: point.position + normal * lift }
     }
 
     /// One step further; `None` where a feature or a boundary ends it.
     fn step(&self, surface: &Surface, way: Vec3, lift: f32) -> Option<Self> {
         let barrier = |h: u32| surface.features().is_feature(h);
-        let foot = walk(surface, barrier, self.spot.triangle, self.spot.position, way, WALK_EDGES);
-        let moved = foot.position - self.spot.position;
+        let end = walk(surface, barrier, self.point.triangle, self.point.position, way, WALK_EDGES);
+        let moved = end.position - self.point.position;
         // Turned aside, it slides along a feature.
         let straight = dot(moved, way) > 0.8 * dot(way, way);
-        straight.then(|| Self::new(surface, Spot { triangle: foot.triangle, position: foot.position }, lift))
+        straight.then(|| Self::new(surface, end, lift))
     }
 
     /// The direction of the cross that is nearest to this one.
     fn direction(&self, surface: &Surface, field: &Field, near: Vec3) -> Vec3 {
-        let axis = field.axis(surface, self.spot.triangle, self.spot.position);
+        let axis = field.axis(surface, self.point.triangle, self.point.position);
         let other = cross(self.normal, axis);
         let nearest = if dot(axis, near).abs() >= dot(other, near).abs() { axis } else { other };
         if dot(nearest, near) < 0.0 { -nearest } else { nearest }
@@ -102,25 +102,25 @@ impl Post {
 }
 
 /// Points in an order that fills the surface evenly from the first on.
-fn tries(surface: &Surface, count: f64) -> Vec<Spot> {
-    let spots = spread(surface, (count * TRIES) as usize);
-    let bits = spots.len().next_power_of_two().trailing_zeros().max(1);
+fn candidates(surface: &Surface, count: f64) -> Vec<SurfacePoint> {
+    let points = sample_evenly(surface, (count * TRIES) as usize);
+    let bits = points.len().next_power_of_two().trailing_zeros().max(1);
     let order = (0..1_usize << bits).map(|number| number.reverse_bits() >> (usize::BITS - bits));
-    order.filter_map(|number| spots.get(number).copied()).collect()
+    order.filter_map(|number| points.get(number).copied()).collect()
 }
 
-fn crosses(surface: &Surface, field: &Field) -> Vec<[Post; 2]> {
+fn crosses(surface: &Surface, field: &Field) -> Vec<[RaisedPoint; 2]> {
     let apart = (surface.area() / CROSSES).sqrt() as f32;
-    let mut crowd = Crowd::new(apart);
+    let mut marks = MarkGrid::new(apart);
     let mut segments = Vec::new();
-    for spot in tries(surface, CROSSES) {
-        let post = Post::new(surface, spot, LIFT * apart);
-        let mark = Mark { position: spot.position, normal: post.normal, way: Vec3::ZERO, line: 0, step: 0 };
-        if crowd.any_near(spot.position, 0.85 * apart, |other| dot(other.normal, post.normal) > 0.0) {
+    for point in candidates(surface, CROSSES) {
+        let post = RaisedPoint::new(surface, point, LIFT * apart);
+        let mark = Mark { position: point.position, normal: post.normal, way: Vec3::ZERO, line: 0, step: 0 };
+        if marks.any_near(point.position, 0.85 * apart, |other| dot(other.normal, post.normal) > 0.0) {
             continue;
         }
-        crowd.add(mark);
-        let axis = field.axis(surface, spot.triangle, spot.position);
+        marks.add(mark);
+        let axis = field.axis(surface, point.triangle, point.position);
         let other = cross(post.normal, axis);
         for way in [axis, other, -axis, -other] {
             segments.extend(post.step(surface, way * (ARM * apart), LIFT * apart).map(|end| [post, end]));
@@ -129,35 +129,35 @@ fn crosses(surface: &Surface, field: &Field) -> Vec<[Post; 2]> {
     segments
 }
 
-fn streamlines(surface: &Surface, field: &Field) -> Vec<[Post; 2]> {
+fn streamlines(surface: &Surface, field: &Field) -> Vec<[RaisedPoint; 2]> {
     let apart = (surface.area() / STREAMS).sqrt() as f32;
     let (step, lift) = (apart / STEPS as f32, LIFT * apart);
-    let mut crowd = Crowd::new(apart);
+    let mut marks = MarkGrid::new(apart);
     let mut segments = Vec::new();
     let mut line = 0;
-    for spot in tries(surface, STREAMS) {
-        let seed = Post::new(surface, spot, lift);
-        let axis = field.axis(surface, spot.triangle, spot.position);
+    for point in candidates(surface, STREAMS) {
+        let seed = RaisedPoint::new(surface, point, lift);
+        let axis = field.axis(surface, point.triangle, point.position);
         for way in [axis, cross(seed.normal, axis)] {
-            let begin = Mark { position: spot.position, normal: seed.normal, way, line, step: 0 };
-            if crowd.any_near(spot.position, 0.9 * apart, |other| other.runs_as(&begin)) {
+            let begin = Mark { position: point.position, normal: seed.normal, way, line, step: 0 };
+            if marks.any_near(point.position, 0.9 * apart, |other| other.runs_as(&begin)) {
                 continue;
             }
-            crowd.add(begin);
+            marks.add(begin);
             for sign in [1, -1] {
                 let (mut post, mut way) = (seed, way * sign as f32);
                 for number in 1..=LONGEST {
                     let Some(next) = post.step(surface, way * step, lift) else { break };
                     way = next.direction(surface, field, way);
                     let mark =
-                        Mark { position: next.spot.position, normal: next.normal, way, line, step: sign * number };
+                        Mark { position: next.point.position, normal: next.normal, way, line, step: sign * number };
                     let hindered = |other: &Mark| {
                         other.runs_as(&mark) && (other.line != line || (other.step - mark.step).abs() > 3 * STEPS)
                     };
-                    if crowd.any_near(mark.position, NEAREST * apart, hindered) {
+                    if marks.any_near(mark.position, NEAREST * apart, hindered) {
                         break;
                     }
-                    crowd.add(mark);
+                    marks.add(mark);
                     segments.push([post, next]);
                     post = next;
                 }
@@ -186,12 +186,12 @@ impl Mark {
 }
 
 /// Marks by the cells of a grid.
-struct Crowd {
+struct MarkGrid {
     cell: f32,
     cells: FxHashMap<[i32; 3], Vec<Mark>>,
 }
 
-impl Crowd {
+impl MarkGrid {
     fn new(cell: f32) -> Self {
         Self { cell, cells: FxHashMap::default() }
     }

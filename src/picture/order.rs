@@ -1,12 +1,12 @@
-//! In which order faces are painted over each other so that what is seen is above.
+//! The order of painting: faces that are seen are painted over those that they hide.
 //!
 //! # Theory
-//! Newell's order of painting needs to know of any two faces which one hides the other. The depth buffer knows: wherever a face is
-//! seen, all others that are painted there and lie deeper have to come first. These constraints are sorted topologically.
+//! Newell's algorithm needs to know which of two faces hides the other. The depth buffer tells: where a face is seen, all deeper
+//! faces that cover the sample come first. These constraints are sorted topologically.
 //!
 //! # Practice
-//! Faces that cut each other, or hide each other in a ring, have no such order: of two, the one that is seen at more
-//! samples is above, and a ring is opened at its farthest face. None is divided.
+//! Faces that intersect, or hide each other in a cycle, have no such order. Of two, the one that is seen at more samples is above;
+//! a cycle is opened at its farthest face. No face is divided.
 
 use super::raster::Sight;
 use rustc_hash::FxHashMap;

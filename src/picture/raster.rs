@@ -1,4 +1,4 @@
-//! What is visible: for each sample of the picture the nearest face, or the line on it.
+//! Visibility: the nearest face at each sample of the picture, or the line on it.
 //!
 //! # Practice
 //! A pixel has [`FINE`] by [`FINE`] samples, evenly spread. The picture is cut into bands of rows, each with a depth buffer
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 pub(super) const FINE: usize = 3;
 /// Rows of pixels in a band.
 const BAND: usize = 16;
-/// Lines on a surface that turns away so far are not drawn: they would crowd.
+/// The least cosine between the eye and the surface below a line that is drawn.
 const EDGE_ON: f64 = 0.08;
 /// What lies on the ground is seen through so much of it, in longest sides of the face that lies there.
 const SUNK: f64 = 0.5;
@@ -146,7 +146,7 @@ impl<'a> Sight<'a> {
         });
     }
 
-    /// Tells the samples that a face covers in a band, seen or not, and its depth there.
+    /// Visits the samples that a face covers in a band, seen or not, with its depth there.
     pub fn each_sample(&self, [top, samples]: [usize; 2], number: u32, mut tell: impl FnMut(usize, f32)) {
         let face = &self.scene.faces[number as usize];
         let mut outline = self.outline(face);
@@ -158,7 +158,7 @@ impl<'a> Sight<'a> {
         }
     }
 
-    /// How much nearer a face is taken to be than it is.
+    /// By how much a face is moved towards the eye.
     fn lift(&self, number: u32, face: &Face) -> f64 {
         if self.scene.ground == 0 || (number as usize) < self.scene.ground {
             return 0.0;
@@ -191,7 +191,7 @@ impl<'a> Sight<'a> {
         let [a, b] = self.ends[number as usize];
         let line = &self.scene.lines[number as usize];
         let width = self.widths[line.pen as usize];
-        // On a surface that turns away they would stand out beyond it like hairs.
+        // On a surface that is seen edge-on, lines would reach beyond it.
         let lies = line.normal != Vec3::ZERO;
         let reach = DVec2::splat(width / 2.0);
         let [rows, columns] = self.within([band.top, band.seen.len()], a.min(b).xy() - reach, a.max(b).xy() + reach);
@@ -219,7 +219,7 @@ impl<'a> Sight<'a> {
     }
 }
 
-/// How far along a segment, from 0 to 1, it is nearest to a point.
+/// The parameter along a segment, from 0 to 1, of the point nearest to a point.
 pub(super) fn nearest(start: DVec2, end: DVec2, point: DVec2) -> f64 {
     let way = end - start;
     ((point - start).dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)

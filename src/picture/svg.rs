@@ -1,10 +1,10 @@
 //! Pictures as SVG: what is visible, each face after those that it hides.
 
-use super::image::shaded;
 use super::legend::{Layout, MARKS};
 use super::order::painting_order;
 use super::raster::{EMPTY, FINE, Sight};
 use super::scene::{Corner, Face, NO_PEN};
+use super::shading::shaded;
 use super::view::Camera;
 use super::{Colour, Legend, PictureError, Scene, View};
 use glam::{DVec3, Vec3Swizzles};

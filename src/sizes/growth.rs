@@ -1,10 +1,10 @@
-//! Sides that do not grow faster than allowed.
+//! The limit of growth from one tile to the next.
 
 use crate::surface::Surface;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// The edges of a surface, ready to bound sides along them.
+/// The edges of a surface, along which sides are limited.
 pub struct Growth<'a> {
     surface: &'a Surface,
     /// Where the edges at each place begin in `edges`.
@@ -30,10 +30,10 @@ impl<'a> Growth<'a> {
         Self { surface, starts: starts.collect(), edges }
     }
 
-    /// Lowers each side to the least that the others allow: along an edge, by at most `slope` times its length.
+    /// Lowers sides so that the difference along each edge is at most `slope` times its length.
     ///
-    /// The smallest side is settled first and bounds its neighbours, as in Dijkstra's search for shortest ways. Across
-    /// triangles, where no edge runs, sides may grow a little faster.
+    /// As in Dijkstra's search for shortest paths, the smallest side is final first and limits its neighbours. Across triangles,
+    /// where no edge runs, sides may grow a little faster.
     pub fn limit(&self, sides: &mut [f64], slope: f64) {
         let first = |v: usize| self.surface.same_place(v as u32) as usize;
         for v in 0..sides.len() {

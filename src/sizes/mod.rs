@@ -1,17 +1,17 @@
-//! How large tiles are to be, place by place.
+//! Sizes: the wanted side of the tiles at each vertex of the surface.
 //!
 //! # Theory
-//! A relative side at each vertex of the surface, linear in its triangles; a tile's side is that times a scale, and the
-//! scale decides the count: tiles of side `h` take `1 / h^2` of an area each, those on an open boundary half of that, so
-//! that `count = integral of 1 / h^2 over the area + half the integral of 1 / h along boundaries`.
+//! Sizes are relative, linear in each triangle; a tile's side is the size times a scale. A tile of side `h` covers the area `h^2`,
+//! one on an open boundary half of it, so that `count = integral of 1 / h^2 over the area + half the integral of 1 / h along
+//! boundaries`.
 //!
 //! # Changes versus the paper
-//! The paper's tiles are equal, as they are here unless something else is asked for.
+//! The paper's tiles are equal; here that is the default.
 //!
 //! # Practice
-//! What sizes can show is as fine as the surface's triangles are; [`crate::pipeline::prepare`] divides those that are too
-//! large for the tiles on them. The neighbour grid has cells for the largest tile: a range of sides above about ten costs
-//! time with its square.
+//! Sizes vary as finely as the surface's triangles do; [`crate::pipeline::prepare`] divides triangles that are too large for their
+//! tiles. The neighbour grid has cells for the largest tile: the time grows with the square of a range of sides above about
+//! ten.
 
 mod file;
 mod growth;
@@ -20,17 +20,18 @@ mod wanted;
 pub use file::{SizeFileError, SizeSample, read_sizes};
 pub use wanted::SizeOptions;
 
-use crate::surface::{NONE, Surface, shares};
+use crate::geometry::barycentric;
+use crate::surface::{NONE, Surface};
 use glam::Vec3;
 pub(crate) use growth::Growth;
 use std::iter::zip;
 use thiserror::Error;
 
-/// Why numbers are no sizes of a surface.
+/// Why numbers are not sizes of a surface.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum SizesError {
-    /// There is not one a vertex.
+    /// Their number is not that of the vertices.
     #[error("{given} sizes for a surface of {vertices} vertices; give one for each")]
     Count {
         /// The sizes that were given.
@@ -38,7 +39,7 @@ pub enum SizesError {
         /// The vertices.
         vertices: usize,
     },
-    /// One is no size.
+    /// One is not a positive number.
     #[error("the size {size} of vertex {vertex} is not a number above 0")]
     NotPositive {
         /// The vertex, counted from 0.
@@ -61,10 +62,10 @@ impl Sizes {
         Self::default()
     }
 
-    /// These sides at the surface's vertices; where several lie at one place, as where sheets meet, the least of theirs.
+    /// These sides at the surface's vertices; vertices at one place, as where sheets meet, take the least of theirs.
     ///
     /// # Errors
-    /// Where there is not one positive number a vertex.
+    /// Where there is not one positive number for each vertex.
     pub fn from_vertices(surface: &Surface, mut relative: Vec<f32>) -> Result<Self, SizesError> {
         let vertices = surface.vertex_count();
         if relative.len() != vertices {
@@ -103,7 +104,7 @@ impl Sizes {
         Self { relative: sides.iter().map(|h| (h / side) as f32).collect() }
     }
 
-    /// Whether they are 1 everywhere because nothing else was ever asked for.
+    /// Whether they are 1 everywhere by construction.
     pub fn is_equal(&self) -> bool {
         self.relative.is_empty()
     }
@@ -124,7 +125,7 @@ impl Sizes {
             return 1.0;
         }
         let [a, b, c] = surface.triangles[triangle as usize].map(|v| self.at_vertex(v));
-        let [to_b, to_c] = shares(surface.corners(triangle as usize), position);
+        let [to_b, to_c] = barycentric(surface.corners(triangle as usize), position);
         a + (b - a) * to_b + (c - a) * to_c
     }
 

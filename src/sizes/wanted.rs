@@ -1,4 +1,4 @@
-//! From what is asked for, points with sizes or a bound on how far the surface turns, to the sizes of a surface.
+//! The sizes of a surface from the user's options: sizes at points, and a bound on the turn of the surface within a tile.
 
 use super::growth::Growth;
 use super::{SizeSample, Sizes, SizesError};
@@ -8,23 +8,22 @@ use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-/// Curvature makes no tile smaller than this share of what it would be without.
+/// The least factor by which curvature makes a tile smaller.
 const LEAST: f64 = 0.25;
-/// Samples that a place takes its size from.
+/// The samples that the size of a place is a mean of.
 const NEAREST: usize = 8;
-/// Rounds of fitting the scale to the count, each of which leaves about a tenth of the miss.
+/// Rounds of fitting the scale to the count; each leaves about a tenth of the error.
 const ROUNDS: usize = 8;
-/// The miss that is small enough; what is left of it the final scale takes away.
-const MISS: f64 = 1e-3;
+/// The error of the count that is small enough; the final scale removes the rest.
+const COUNT_ERROR: f64 = 1e-3;
 
-/// What sizes are to follow. Default: nothing, equal tiles.
+/// What the sizes depend on. Default: nothing, equal tiles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SizeOptions {
     /// Sizes at points, spread over the surface: by the inverse squares of the distances of the nearest eight, straight
     /// through space. With a count they are relative, without in model units.
     pub samples: Vec<SizeSample>,
-    /// Tiles are so small, down to a quarter of what they would be without, that the surface turns by at most this angle
-    /// within one, in degrees.
+    /// The largest angle by which the surface turns within a tile, in degrees; tiles are made smaller for it, down to a quarter.
     pub curvature: Option<f64>,
     /// The largest ratio of the sides of two tiles beside each other. Default 1.2.
     pub growth: f64,
@@ -37,9 +36,9 @@ impl Default for SizeOptions {
 }
 
 impl SizeOptions {
-    /// What they ask for on a surface of tiles of about this side, in unit-sized coordinates.
+    /// The wanted sizes on a surface, for tiles of about this side in unit-sized coordinates.
     pub(crate) fn on<'a>(&'a self, surface: &Surface, side: f64) -> Wanted<'a> {
-        Wanted { options: self, samples: self.spread(surface), bends: self.bends(surface, side) }
+        Wanted { options: self, samples: self.spread(surface), turns: self.turns(surface, side) }
     }
 
     /// The number of tiles of the sides that the samples give as they are, in model units.
@@ -81,8 +80,8 @@ impl SizeOptions {
         (0..surface.vertex_count() as u32).into_par_iter().map(size).collect()
     }
 
-    /// By how much the surface turns per length at each vertex, in radians; what does not matter is left out.
-    fn bends(&self, surface: &Surface, side: f64) -> Option<Vec<f64>> {
+    /// The turn of the surface per length at each vertex, in radians; zero where it does not matter.
+    fn turns(&self, surface: &Surface, side: f64) -> Option<Vec<f64>> {
         let angle = self.curvature?.to_radians();
         // Bends as narrow as half a tile are seen; what turns by less than half the angle in a tile does not matter.
         let curvatures = curvatures_above(surface, radius_of_tile(side / 2.0), angle / (2.0 * side));
@@ -90,13 +89,13 @@ impl SizeOptions {
     }
 }
 
-/// What [`SizeOptions`] ask for at the vertices of a surface.
+/// The wanted sizes at the vertices of a surface.
 pub(crate) struct Wanted<'a> {
     options: &'a SizeOptions,
     /// The side that samples give, in unit-sized coordinates.
     samples: Vec<f64>,
-    /// By how much the surface turns per length, in radians.
-    bends: Option<Vec<f64>>,
+    /// The turn of the surface per length, in radians.
+    turns: Option<Vec<f64>>,
 }
 
 impl Wanted<'_> {
@@ -113,7 +112,7 @@ impl Wanted<'_> {
         for _ in 0..ROUNDS {
             let sizes = relative(surface, &self.sides(&growth, scale), scale)?;
             let found = sizes.count_for_side(surface, scale) / count as f64;
-            if found.ln().abs() < MISS {
+            if found.ln().abs() < COUNT_ERROR {
                 return Ok(sizes);
             }
             scale *= found.sqrt();
@@ -127,21 +126,21 @@ impl Wanted<'_> {
 
     /// The same where vertices were added to the surface, each in the middle between two.
     pub fn divided(self, surface: &Surface, middles: &[[u32; 2]]) -> Self {
-        let bends = self.bends.map(|mut bends| {
+        let turns = self.turns.map(|mut turns| {
             for ends in middles {
-                let [a, b] = ends.map(|v| bends[v as usize]);
-                bends.push((a + b) / 2.0);
+                let [a, b] = ends.map(|v| turns[v as usize]);
+                turns.push((a + b) / 2.0);
             }
-            bends
+            turns
         });
-        Self { options: self.options, samples: self.options.spread(surface), bends }
+        Self { options: self.options, samples: self.options.spread(surface), turns }
     }
 
     /// The sides at this scale: no larger than curvature allows, nor than growth.
     fn sides(&self, growth: &Growth, scale: f64) -> Vec<f64> {
         let mut sides: Vec<f64> = self.samples.iter().map(|side| scale * side).collect();
-        if let (Some(degrees), Some(bends)) = (self.options.curvature, &self.bends) {
-            for (side, bend) in sides.iter_mut().zip(bends) {
+        if let (Some(degrees), Some(turns)) = (self.options.curvature, &self.turns) {
+            for (side, bend) in sides.iter_mut().zip(turns) {
                 *side = side.min((degrees.to_radians() / bend).max(LEAST * *side));
             }
         }

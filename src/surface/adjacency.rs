@@ -1,11 +1,11 @@
 //! Which triangles meet at which edges; consistent orientation; one fan of triangles a vertex.
 //!
 //! # Practice
-//! Where more than two triangles meet at an edge, they are paired as the walls of solids ([`Joint::pair`]); where that fails none
-//! is another's neighbour: the surface is cut into sheets that share the edge, and each has its own vertices. Sheets are
-//! oriented before they are paired with others, so that the edges of a seam are all paired alike. Where fans touch in a
-//! vertex alone, each has its own as well. Which vertices are at one place is kept, so that the mesh can be joined there
-//! again. Solids in contact along a flat wall are not joined in its inside.
+//! Where more than two triangles meet at an edge, they are paired as the walls of solids ([`Joint::pair`]). Where that fails, the
+//! surface is cut into sheets along the edge, and each sheet has its own vertices. Sheets are oriented before they are paired
+//! with others, so that all edges of a seam are paired alike. Fans that touch in a vertex alone have a vertex each. The
+//! vertices at one place are remembered, so that the mesh can be joined there again. Solids in contact along a flat wall are
+//! not joined inside the wall.
 
 use super::{Frame, NONE, Repairs, SurfaceError, next, previous};
 use glam::Vec3;
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 
-/// What [`orient`] finds.
+/// The result of [`orient`].
 pub(super) struct Adjacency {
     /// The opposite half-edge of each half-edge.
     pub twins: Vec<u32>,
@@ -57,7 +57,7 @@ pub(super) fn orient(
     Ok(Adjacency { twins, seams, same_place })
 }
 
-/// Which half-edges belong together.
+/// The pairs of half-edges.
 struct Pairs {
     /// The other half-edge on the same two vertices, whatever its direction; [`NONE`] where there is none.
     pairs: Vec<u32>,
@@ -110,11 +110,11 @@ fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame, repairs: &mut Re
 
 /// An edge where more than two triangles meet.
 struct Joint {
-    /// Of each triangle: the angle about the edge at which it lies, and whether its front looks to greater angles.
+    /// The angle of each triangle around the edge, and whether its front faces greater angles.
     sides: Vec<(f64, bool)>,
 }
 
-/// Triangles that lie apart by less than this, in radians, enclose nothing.
+/// Triangles at a smaller angle, in radians, enclose nothing.
 const LEAST_WEDGE: f64 = 1e-5;
 /// Triangles that meet at an angle within this of 180 degrees, in radians, are one wall.
 const FLAT: f64 = 0.1;
@@ -134,7 +134,7 @@ impl Joint {
         Self { sides: half_edges.iter().map(side).collect() }
     }
 
-    /// The angle from one side to another through what lies behind the first, from 0 to 2 pi.
+    /// The angle from one side to another on the back of the first, from 0 to 2 pi.
     fn behind(&self, from: usize, to: usize) -> f64 {
         let turn = self.sides[to].0 - self.sides[from].0;
         let turn = if self.sides[from].1 { -turn } else { turn };
@@ -142,7 +142,7 @@ impl Joint {
         if turn < LEAST_WEDGE { turn + TAU } else { turn }
     }
 
-    /// The partner of each side: the first one behind it that looks away as well. All are paired, or none.
+    /// The partner of each side: the first one behind it that faces away as well. All are paired, or none.
     fn pair(&self) -> Vec<Option<usize>> {
         let count = self.sides.len();
         let partner = |from: usize| {
@@ -162,8 +162,8 @@ impl Joint {
         if partners.iter().enumerate().all(flat) { Some(partners) } else { self.across() }
     }
 
-    /// The partners where all sides lie in one plane, as many on either side of the edge: they may look any way, as the
-    /// wall of a solid does that is inside out.
+    /// The partners where all sides lie in one plane, as many on either side of the edge. They may face either way, as the wall
+    /// of an inverted solid does.
     fn across(&self) -> Option<Vec<Option<usize>>> {
         let off = |k: usize| self.behind(0, k).rem_euclid(TAU);
         let (far, near): (Vec<usize>, Vec<usize>) = (0..self.sides.len()).partition(|&k| (off(k) - PI).abs() < FLAT);
@@ -180,7 +180,7 @@ fn edge_key(a: u32, b: u32) -> u64 {
     (u64::from(a.min(b)) << 32) | u64::from(a.max(b))
 }
 
-/// Which triangles have to be turned over.
+/// The triangles that must be reversed.
 fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -> Result<Vec<bool>, SurfaceError> {
     let mut turned = vec![false; triangles.len()];
     let mut seen = vec![false; triangles.len()];
@@ -232,7 +232,7 @@ fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -
     Ok(turned)
 }
 
-/// Whether open edges cancel: each is passed as often in one direction as in the other. So are those of a closed part that
+/// Whether open edges cancel: each is traversed as often in one direction as in the other. This holds for a closed part that
 /// shares an edge with others.
 fn encloses(triangles: &[[u32; 3]], turned: &[bool], open: &[u32]) -> bool {
     let mut passes: Vec<(u64, i32)> = open
@@ -247,7 +247,7 @@ fn encloses(triangles: &[[u32; 3]], turned: &[bool], open: &[u32]) -> bool {
     passes.chunk_by(|a, b| a.0 == b.0).all(|run| run.iter().map(|pass| pass.1).sum::<i32>() == 0)
 }
 
-/// Turns triangles over so that those that are paired look the same way; tells which.
+/// Reverses triangles so that paired ones face the same way; returns which.
 fn turn_alike(
     points: &[Vec3],
     triangles: &mut [[u32; 3]],
@@ -261,7 +261,7 @@ fn turn_alike(
     Ok(turned)
 }
 
-/// Turns triangles over (corners 1 and 2 change places) and renumbers the pairs of half-edges accordingly.
+/// Reverses triangles (exchanges corners 1 and 2) and renumbers the pairs of half-edges accordingly.
 fn turn_over(triangles: &mut [[u32; 3]], pairs: &[u32], turned: &[bool]) -> Vec<u32> {
     let mut twins = vec![NONE; pairs.len()];
     for (h, &pair) in pairs.iter().enumerate() {

@@ -1,9 +1,8 @@
-//! Takes out triangles without height: three corners in a row, as tessellators leave them beside fine curves.
+//! Flips of caps: triangles without height, whose three corners lie on a line, as tessellators leave them beside fine curves.
 //!
 //! # Practice
-//! Such a cap has no normal, so it would make false creases and lead tiles astray. Its longest edge is exchanged for the
-//! other diagonal of the two triangles at it, which moves nothing by more than the cap's height. A cap whose longest edge
-//! is open stays.
+//! A cap has no normal: it makes false creases and misleads walks. Its longest edge is flipped, which moves the surface by no
+//! more than the cap's height. A cap whose longest edge is open stays.
 
 use super::{Frame, NONE, Repairs, next, previous};
 use glam::{DVec3, Vec3};
@@ -13,7 +12,7 @@ const LEAST_HEIGHT: f64 = 5e-7;
 /// Rounds over all triangles: flipping one cap can make another of its neighbour.
 const ROUNDS: usize = 20;
 
-/// Flips caps away; `seams` are half-edges that stay, sorted.
+/// Flips the longest edges of caps; `seams` are half-edges that stay, sorted.
 pub(super) fn flip(
     points: &[Vec3],
     triangles: &mut [[u32; 3]],
@@ -61,7 +60,7 @@ impl Corners<'_> {
         self.triangles[half_edge as usize / 3][half_edge as usize % 3]
     }
 
-    /// Exchanges the longest edge where the two triangles get higher by it; tells whether it did.
+    /// Flips the longest edge where that makes the two triangles higher; returns whether it did.
     fn flip_cap(&mut self, triangle: u32, seams: &[u32]) -> bool {
         let (low, longest) = height(self.points, self.triangles[triangle as usize]);
         let h = 3 * triangle + longest as u32;

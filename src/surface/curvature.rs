@@ -7,21 +7,17 @@
 //! the curvature that is an eigenvalue of `T` belongs to the direction across its eigenvector.
 //!
 //! # Changes versus the paper
-//! The disc is what of the surface lies in a ball and is reached from its centre without crossing a feature: features
-//! bound the disc, and the turn at a crease is not counted. Where discs overlap much, not every vertex has its own: vertices
-//! a third of a radius apart are measured, and between them their tensors are averaged, with weights that fall to zero at
-//! half a radius. So the work grows with the surface alone, not with the radius.
+//! The disc is the part of the surface in a ball that is reached from the ball's centre without crossing a feature: features
+//! bound the disc, and the turn at a crease is not counted. Not every vertex has a disc: vertices a third of a radius apart are
+//! measured, and the others take the mean of their tensors, with weights that fall to zero at half a radius. So the work grows
+//! with the surface alone, not with the radius.
 //!
 //! # Practice
 //! On a surface that bends evenly the curvature does not depend on the radius. A narrow bend through the centre of the
 //! disc (a fillet of total angle `A`, much narrower than the radius `r`) is spread over it: a line of length `2 r` in an
 //! area of `pi r^2` makes `k = 2 A / (pi r)`. So with [`radius_of_tile`] the surface turns by about `k h` within a tile of
-//! side `h` in both cases; measured, the fillet's `k h / A` is 0.97 at 30 degrees, 0.88 at 90 and 0.85 at 115, for a ball
-//! takes more than a disc of flanks that bend towards its centre. Beside the line `k` falls as the chord does, and is zero
-//! from a radius away. A disc only two edges wide sees rows of edges one by one: there `k` is within some 12 %.
-//!
-//! One million triangles take 1.8 s on two busy cores at 6 or 10 edges a radius, and 2.4 s at 2, where nearly every vertex
-//! is measured.
+//! side `h` in both cases. Beside the line `k` falls as the chord does, and is zero from a radius away. Measured values and
+//! times: docs/experiments.md, surface.
 
 use super::{NONE, Surface, next_corner, previous_corner};
 use glam::{DMat3, DVec3, Mat3, Vec3};
@@ -32,8 +28,8 @@ use std::mem;
 
 /// Vertices within this share of the radius about a measured one are not measured themselves.
 const SPACING: f64 = 1.0 / 3.0;
-/// The share of the radius at which the weight of a measured vertex has fallen to zero.
-const REACH: f64 = 0.5;
+/// The share of the radius at which the weight of a measured vertex is zero.
+const FADE: f64 = 0.5;
 
 /// Cells on either side of a disc's middle that its triangles lie in, where bends are summed up beforehand.
 const CELLS: i64 = 2;
@@ -43,7 +39,7 @@ fn span_of([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     (-CELLS..=CELLS).map(move |k| [x, y, z + k])
 }
 
-/// How the surface bends about a vertex.
+/// The principal curvatures at a vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curvature {
     /// The directions of greatest and least `|curvature|`: unit vectors at right angles to each other and the normal.
@@ -113,7 +109,7 @@ struct Measure<'a> {
     surface: &'a Surface,
     /// The radius of the disc about each vertex.
     radii: Vec<f64>,
-    /// Whether a vertex lies on a feature: such take their tensors from each other alone, for theirs is of several sides.
+    /// Whether a vertex lies on a feature: these take their tensors from each other alone, since theirs are of several sides.
     on_feature: Vec<bool>,
     /// A corner at each vertex.
     corners: Vec<u32>,
@@ -121,7 +117,7 @@ struct Measure<'a> {
     turns: Vec<f32>,
     normals: Vec<DVec3>,
     areas: Vec<f64>,
-    /// What each triangle adds to a disc that has all of it.
+    /// The contribution of each whole triangle to a disc.
     tensors: Vec<Mat3>,
 }
 
@@ -157,7 +153,7 @@ impl<'a> Measure<'a> {
         Self { surface, radii, on_feature, corners, turns, normals, areas, tensors }
     }
 
-    /// Which vertices are sure to have a curvature below `least`: not even all turns in the cells about a disc, whatever
+    /// The vertices whose curvature is certainly below `least`: not even all turns in the cells around a disc, whatever
     /// their directions, would make as much in the disc's area, or beside features in a quarter of it.
     fn settled(&self, least: f64) -> Vec<bool> {
         let surface = self.surface;
@@ -208,7 +204,7 @@ impl<'a> Measure<'a> {
 
     fn bend(&self, flood: &mut Flood, seed: u32) -> Bend {
         let radius = self.radii[seed as usize];
-        let reach = REACH * radius;
+        let reach = FADE * radius;
         let (mut tensor, mut area) = (DMat3::ZERO, 0.0);
         flood.run(self, seed, radius, reach, |t, rim| match rim {
             None => {
@@ -250,13 +246,13 @@ fn turn(surface: &Surface, normals: &[DVec3], half_edge: u32) -> f32 {
     })
 }
 
-/// Half of what an edge, or a part of one, adds to a disc; the triangle on its other side has the other half.
+/// Half of the contribution of an edge, or of a part of one, to a disc; the triangle on its other side has the other half.
 fn half_tensor(way: DVec3, turn: f32) -> DMat3 {
     let scaled = way * (0.5 * f64::from(turn) / way.length().max(f64::MIN_POSITIVE));
     DMat3::from_cols(way * scaled.x, way * scaled.y, way * scaled.z)
 }
 
-/// Lays discs; one is used for many, so that its marks are laid out once.
+/// Collects discs; one is used for many, so that its marks are allocated once.
 struct Flood {
     round: u32,
     seen_triangles: Vec<u32>,

@@ -1,11 +1,11 @@
-//! Divides long edges, so that what is computed at the surface's vertices can vary within a few tiles; its shape stays.
+//! Divides long edges, so that values at the surface's vertices can vary within a few tiles. The shape stays.
 //!
 //! # Practice
-//! Long edges are halved, again and again. Inside a thin triangle this would make three of it every time; there the edges
-//! inside wait until those round it are short, and are flipped between the parts, which gives strips of two. At 6,000 tiles
-//! pinion, whose teeth are 30 tiles long and one wide, has 52,000 triangles, not 138,000.
+//! Long edges are halved, again and again. Inside a thin triangle this would give three parts every time; there the inner edges
+//! wait until the outer ones are short, and are flipped between the parts, which gives strips of two (docs/experiments.md,
+//! surface).
 
-use super::split::{Place, Split};
+use super::split::{EdgePoint, Split};
 use super::{FeatureOptions, Features, Surface};
 use rustc_hash::FxHashMap;
 
@@ -13,8 +13,8 @@ use rustc_hash::FxHashMap;
 const THIN: f64 = 0.4;
 
 impl Surface {
-    /// The same surface with no edge longer than allowed at its two ends, in unit-sized coordinates, `longest` at each
-    /// vertex; and, for each vertex that was added, the two that it is in the middle of.
+    /// The same surface with no edge longer than `longest` at its two ends, in unit-sized coordinates; and the two ends of the
+    /// edge in whose middle each new vertex lies.
     pub(crate) fn divided(mut self, mut longest: Vec<f64>, options: &FeatureOptions) -> (Self, Vec<[u32; 2]>) {
         let mut added = Vec::new();
         let mut roots: Vec<u32> = (0..self.triangle_count() as u32).collect();
@@ -49,10 +49,10 @@ impl Surface {
         (b - a).cross(c - a).length() / longest.max(f64::MIN_POSITIVE)
     }
 
-    /// Halves edges; `roots`, of which each triangle is a part, are kept up.
+    /// Halves edges and updates `roots`, the triangle that each one is a part of.
     fn halve(&mut self, edges: &[u32], roots: &mut Vec<u32>, options: &FeatureOptions) {
-        let lines: Vec<Vec<Place>> = edges.iter().map(|&h| vec![Place::Edge(h, 0.5)]).collect();
-        // Where sheets meet, the edges of all of them are divided, at one place.
+        let lines: Vec<Vec<EdgePoint>> = edges.iter().map(|&h| vec![EdgePoint::Edge(h, 0.5)]).collect();
+        // Where sheets meet, the edges of all of them are divided at one place.
         let mut first = FxHashMap::default();
         let middles = (self.points.len() as u32..).zip(edges).map(|(middle, &h)| {
             let [a, b] = [self.origin(h), self.target(h)].map(|v| self.same_place(v));

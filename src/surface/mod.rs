@@ -1,9 +1,9 @@
 //! The input: triangles read or generated, welded, oriented, with adjacency and features.
 //!
 //! # Practice
-//! Coordinates come in as f64, are recentred and divided by the diagonal of their bounding box, and are f32 from then
-//! on; [`Frame`] puts the transform back in f64 on writing. So a surface far from the origin, or very small or large,
-//! meshes as its recentred, unit-sized copy does.
+//! Coordinates are read as f64, recentred, divided by the diagonal of their bounding box, and stored as f32; [`Frame`] reverts the
+//! transform in f64 for writing. So a surface far from the origin, or very small or large, is meshed as its recentred,
+//! unit-sized copy is.
 
 mod adjacency;
 mod caps;
@@ -21,19 +21,19 @@ pub(crate) mod records;
 mod regions;
 mod repairs;
 mod ridges;
+pub(crate) mod sampling;
 mod split;
-pub(crate) mod spread;
 mod tiny;
 mod walk;
 mod weld;
 
-pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use curve::Curve;
 pub(crate) use curve::shared_curves;
+pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use features::{FeatureOptions, Features};
 pub use regions::Regions;
 pub use repairs::{Repair, Repairs};
-pub(crate) use walk::{WALK_EDGES, next_corner, previous_corner, walk};
+pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
 
 use crate::geometry::{cross, dot, unit};
 use adjacency::Adjacency;
@@ -70,7 +70,7 @@ impl Frame {
         ((DVec3::from(point) - DVec3::from(self.centre)) / self.diagonal).into()
     }
 
-    /// As [`Frame::to_model`], but rounded to about a millionth of the diagonal: what is left of a place is what is known.
+    /// As [`Frame::to_model`], rounded to about a millionth of the diagonal, the precision of a place.
     pub(crate) fn near(&self, point: [f64; 3]) -> [f64; 3] {
         let step = 10f64.powf(self.diagonal.log10().floor() - 6.0);
         self.to_model(point).map(|x| if step > 0.0 { (x / step).round() * step } else { x })
@@ -153,7 +153,7 @@ pub enum SurfaceError {
     },
 }
 
-/// A place as messages say it: seven significant digits are enough to find it.
+/// A place in messages: seven significant digits are enough to find it.
 pub fn shown(place: &[f64; 3]) -> String {
     let [x, y, z] = place.map(|x| format!("{x:.6e}").parse().unwrap_or(x) + 0.0);
     format!("({x}, {y}, {z})")
@@ -224,8 +224,8 @@ impl Surface {
         Ok(self)
     }
 
-    /// The same surface with the features that tiles of side `h`, unit-sized, can show: ridges become edges of it, and
-    /// creases that are too small go.
+    /// The same surface with the features for tiles of side `h`, unit-sized: ridges become edges, and creases that are too small
+    /// are dropped.
     pub fn fitted(mut self, options: &FeatureOptions, h: f32) -> Self {
         self.features = Features::along(&self, tiny::without_tiny(&self, options.corner, f64::from(h)), options.corner);
         if options.ridge < 180.0 {
@@ -261,7 +261,7 @@ impl Surface {
         &self.regions
     }
 
-    /// What was mended on the way in.
+    /// The repairs that were made.
     pub fn repairs(&self) -> &Repairs {
         &self.repairs
     }
@@ -348,14 +348,11 @@ impl Surface {
     }
 }
 
-/// How far a point of a triangle is towards its second and third corner, in shares of the way from the first.
-pub(crate) fn shares([a, b, c]: [Vec3; 3], position: Vec3) -> [f32; 2] {
-    let double_area = cross(b - a, c - a);
-    let normal = unit(double_area);
-    let total = dot(double_area, normal);
-    let to_b = (-dot(cross(c - a, position - a), normal) / total).clamp(0.0, 1.0);
-    let to_c = (dot(cross(b - a, position - a), normal) / total).clamp(0.0, 1.0);
-    [to_b, to_c]
+/// A point of a surface: its triangle, and its place in unit-sized coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfacePoint {
+    pub triangle: u32,
+    pub position: Vec3,
 }
 
 /// The half-edge after this one in its triangle.

@@ -6,9 +6,9 @@ use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// An end may be this far from a vertex, in diagonals of the bounding box.
+/// The largest distance of an end from its vertex, in diagonals of the bounding box.
 const NEAR: f64 = 1e-5;
-/// A line of edges may be longer than the straight way between its ends by this factor.
+/// The largest length of a line of edges over the distance of its ends.
 const STRAIGHT: f64 = 1.05;
 
 /// The half-edges that the edges name: the edge between the two ends, or the shortest line of edges if that is straight.
@@ -85,8 +85,8 @@ impl<'a> Paths<'a> {
         found.into_iter().take_while(|&(distance, _)| distance <= nearest).map(|(_, v)| v).collect()
     }
 
-    /// The half-edges of the shortest ways between two places, one way for each sheet that has one; `None` where none has a
-    /// straight one.
+    /// The half-edges of the shortest paths between two places, one for each sheet that has one; `None` where no path is
+    /// straight.
     fn between(&self, from: &[u32], to: &[u32]) -> Option<Vec<u32>> {
         let ways = from.iter().filter_map(|&start| self.shortest(start, to));
         let ways: Vec<Vec<u32>> = ways.filter(|way| !way.is_empty()).collect();
@@ -98,7 +98,7 @@ impl<'a> Paths<'a> {
         let point = |v: u32| self.surface.points[v as usize].as_dvec3();
         let goal = point(to[0]);
         let limit = STRAIGHT * point(start).distance(goal);
-        // Of each vertex reached: the length of the way there and its last half-edge.
+        // The length of the path to each vertex reached, and the path's last half-edge.
         let mut reached: FxHashMap<u32, (f64, u32)> = FxHashMap::default();
         let mut queue = BinaryHeap::from([(Reverse(0u64), start)]);
         reached.insert(start, (0.0, super::NONE));

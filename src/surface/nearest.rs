@@ -1,4 +1,4 @@
-//! What is nearest to a point: segments or triangles in trees of their boxes.
+//! Nearest segments and triangles, in trees of their bounding boxes.
 
 use super::Surface;
 use glam::DVec3;
@@ -13,9 +13,9 @@ pub(crate) const EQUALLY_NEAR: f64 = 1e-6;
 #[derive(Clone, Copy)]
 pub(crate) struct Simplex<const CORNERS: usize> {
     pub corners: [DVec3; CORNERS],
-    /// Its place among all.
+    /// Its index among all.
     pub id: u32,
-    /// Every search asks many simplices for theirs.
+    /// Its bounding box, which every search reads.
     envelope: AABB<[f64; 3]>,
 }
 
@@ -62,18 +62,18 @@ where
         Self(RTree::bulk_load(simplices.zip(0..).map(|(corners, id)| Simplex::new(corners, id)).collect()))
     }
 
-    /// The nearest and how far it is; `None` where there are no simplices.
+    /// The nearest simplex and its distance; `None` where there are none.
     pub fn nearest(&self, point: DVec3) -> Option<(f64, &Simplex<CORNERS>)> {
         let (found, squared) = self.0.nearest_neighbor_with_distance_2(point.to_array())?;
         Some((squared.sqrt(), found))
     }
 
-    /// How far the nearest is; infinitely far where there are no simplices.
+    /// The distance of the nearest simplex; infinite where there are none.
     pub fn distance(&self, point: DVec3) -> f64 {
         self.nearest(point).map_or(f64::INFINITY, |(distance, _)| distance)
     }
 
-    /// How far the box about all is; infinitely far where there are no simplices.
+    /// The distance of the bounding box of all; infinite where there are none.
     pub fn off(&self, point: DVec3) -> f64 {
         if self.0.size() == 0 { f64::INFINITY } else { self.0.root().envelope().distance_2(&point.to_array()).sqrt() }
     }
@@ -84,7 +84,7 @@ where
     }
 }
 
-/// So many trees hold a surface's triangles: they are planted at the same time.
+/// The trees that hold a surface's triangles: they are built in parallel.
 const TREES: usize = 8;
 
 /// The triangles of a surface, slice by slice along its longest axis.
@@ -114,7 +114,7 @@ impl Triangles {
         Self(along.par_chunks(along.len().div_ceil(TREES)).map(slice).collect())
     }
 
-    /// The triangle nearest to a point, and how far it is.
+    /// The triangle nearest to a point, and its distance.
     pub fn nearest(&self, point: DVec3) -> (u32, f64) {
         let mut best = (u32::MAX, f64::INFINITY);
         let mut slices: Vec<(f64, &Slice)> = self.0.iter().map(|slice| (slice.tree.off(point), slice)).collect();

@@ -1,14 +1,14 @@
-//! What was mended on the way from soup to surface.
+//! Repairs made between soup and surface.
 
 use serde::Serialize;
 
 /// Places that are kept of each kind of repair.
 const PLACES: usize = 10;
 
-/// How often something was mended, and where.
+/// The number of repairs of one kind, and where.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Repair {
-    /// How often.
+    /// How many.
     pub count: usize,
     /// Where, in model units: the first ten places.
     pub at: Vec<[f64; 3]>,
@@ -24,7 +24,7 @@ impl Repair {
     }
 }
 
-/// What was mended on the way from soup to surface.
+/// Repairs made between soup and surface.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Repairs {
     /// Points that were joined to another at the same place.
@@ -37,7 +37,7 @@ pub struct Repairs {
     pub duplicate_triangles: Repair,
     /// Parts smaller than a hundred-thousandth of the model's size, which were dropped.
     pub dropped_specks: Repair,
-    /// Triangles that were turned over.
+    /// Triangles that were reversed.
     pub flipped_triangles: Repair,
     /// Edges of more than two triangles: sheets end there, and the mesh is joined again along them.
     pub joined_edges: Repair,

@@ -1,25 +1,25 @@
 //! Ridges: lines where a smooth surface turns sharply within one tile, made into edges of the surface.
 //!
 //! # Theory
-//! Curvature is measured over discs of the tiles' size, so that a bend far narrower than a tile and one as wide count by the
-//! angle that they turn a tile by. A ridge is where the greatest curvature is at its own maximum along the direction in
-//! which the surface bends: the zero of its derivative that way (Ohtake, Belyaev and Seidel 2004, *Ridge-valley lines on
-//! meshes via implicit surface fitting*), found on each edge by linear interpolation and joined up triangle by triangle.
+//! Curvature is measured over discs of the tiles' size, so that narrow and wide bends count by the angle by which they turn a
+//! tile. On a ridge the greatest curvature has a maximum along its own direction: its derivative there is zero (Ohtake, Belyaev
+//! and Seidel 2004, *Ridge-valley lines on meshes via implicit surface fitting*). The zero is found on each edge by linear
+//! interpolation, and the zeros are joined triangle by triangle.
 //!
 //! # Changes versus the paper
 //! The paper has no features at all. On the wing its rows cross the leading edge aslant wherever tiles are larger than the
 //! edge is round, and cut it into teeth.
 //!
 //! # Practice
-//! A line counts where the surface turns by more than the limit within a tile; it is followed on as long as it turns by
-//! more than a share of that, and forgotten where it is shorter than some tiles. Lines of finer tiles fade by themselves,
-//! since less of the bend falls within a tile.
+//! A line begins where the surface turns by more than the limit within a tile, is followed as long as it turns by more than a
+//! share of the limit, and is dropped where it is shorter than some tiles. Finer tiles have fewer ridges, since less of a bend
+//! lies within a tile.
 //!
-//! A round far narrower than a tile bends by the same angle all across it, as seen at the tile's scale, so noise decides
-//! where its crest is: from about four times its radius on the line breaks up and is forgotten.
+//! A round far narrower than a tile bends by the same angle all across it at the tile's scale, so that noise decides where its
+//! crest is: with tiles of more than about four times its radius the line breaks up and is dropped.
 
 use super::curvature::{Curvature, curvatures_above, radius_of_tile};
-use super::split::Place;
+use super::split::EdgePoint;
 use super::{NONE, Surface, next, previous};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ use std::collections::VecDeque;
 
 /// The share of the limit down to which a line is followed.
 const FOLLOWED: f64 = 0.8;
-/// A line shorter than this, in tile sides, is forgotten.
+/// A line shorter than this, in tile sides, is dropped.
 const SHORTEST: f64 = 15.0;
 /// A crossing nearer to an edge's end than this, as a share of the edge, is at the end.
 const SNAP: f64 = 0.05;
@@ -37,7 +37,7 @@ const MARGIN: f64 = 0.01;
 const STRAIGHTENED: usize = 20;
 
 /// The ridges for tiles of side `h`, unit-sized, on which the surface turns by more than `limit` degrees a tile.
-pub(super) fn ridges(surface: &Surface, h: f64, limit: f64) -> Vec<Vec<Place>> {
+pub(super) fn ridges(surface: &Surface, h: f64, limit: f64) -> Vec<Vec<EdgePoint>> {
     let limit = limit.to_radians();
     let field = Bending::new(surface, h, FOLLOWED * limit);
     let mut lines = field.lines(FOLLOWED * limit);
@@ -47,13 +47,13 @@ pub(super) fn ridges(surface: &Surface, h: f64, limit: f64) -> Vec<Vec<Place>> {
     lines.into_iter().map(|line| snapped(surface, line)).collect()
 }
 
-/// Moves places along their edges to where the line is shortest, which takes out the noise of the crossings.
-fn straighten(surface: &Surface, line: &mut [Place]) {
+/// Moves points along their edges to where the line is shortest, which removes the noise of the crossings.
+fn straighten(surface: &Surface, line: &mut [EdgePoint]) {
     let closed = line.first() == line.last();
     let count = line.len();
     for _ in 0..STRAIGHTENED {
         for i in 0..count {
-            let Place::Edge(h, _) = line[i] else { continue };
+            let EdgePoint::Edge(h, _) = line[i] else { continue };
             let (before, after) = match i {
                 0 if closed => (line[count - 2], line[1]),
                 0 => continue,
@@ -66,7 +66,7 @@ fn straighten(surface: &Surface, line: &mut [Place]) {
             let [u, v] = [p, q].map(|p| ((p - a).dot(b - a) / a.distance_squared(b), p));
             let off = [u, v].map(|(share, p)| p.distance(a + (b - a) * share));
             let share = (u.0 * off[1] + v.0 * off[0]) / (off[0] + off[1]).max(f64::MIN_POSITIVE);
-            line[i] = Place::Edge(h, share.clamp(MARGIN, 1.0 - MARGIN));
+            line[i] = EdgePoint::Edge(h, share.clamp(MARGIN, 1.0 - MARGIN));
         }
         if closed {
             line[count - 1] = line[0];
@@ -74,17 +74,17 @@ fn straighten(surface: &Surface, line: &mut [Place]) {
     }
 }
 
-/// Puts places that are nearly at a vertex there, and leaves out those that would make the line turn back on itself.
-fn snapped(surface: &Surface, mut line: Vec<Place>) -> Vec<Place> {
+/// Snaps points to near vertices, and leaves out those where the line would turn back on itself.
+fn snapped(surface: &Surface, mut line: Vec<EdgePoint>) -> Vec<EdgePoint> {
     let closed = line.len() > 1 && line.first() == line.last();
     if closed {
         line.pop();
     }
-    let mut kept: VecDeque<Place> = VecDeque::with_capacity(line.len() + 1);
+    let mut kept: VecDeque<EdgePoint> = VecDeque::with_capacity(line.len() + 1);
     for place in line {
         let place = match place {
-            Place::Edge(h, share) if share < SNAP => Place::Vertex(surface.origin(h)),
-            Place::Edge(h, share) if share > 1.0 - SNAP => Place::Vertex(surface.target(h)),
+            EdgePoint::Edge(h, share) if share < SNAP => EdgePoint::Vertex(surface.origin(h)),
+            EdgePoint::Edge(h, share) if share > 1.0 - SNAP => EdgePoint::Vertex(surface.target(h)),
             other => other,
         };
         while kept.back().is_some_and(|&last| is_beside(surface, last, place)) {
@@ -110,16 +110,16 @@ fn snapped(surface: &Surface, mut line: Vec<Place>) -> Vec<Place> {
 }
 
 /// Whether a place is on an edge that ends at the vertex where the other one is.
-fn is_beside(surface: &Surface, place: Place, vertex: Place) -> bool {
-    let (Place::Edge(h, _), Place::Vertex(v)) = (place, vertex) else { return false };
+fn is_beside(surface: &Surface, place: EdgePoint, vertex: EdgePoint) -> bool {
+    let (EdgePoint::Edge(h, _), EdgePoint::Vertex(v)) = (place, vertex) else { return false };
     surface.origin(h) == v || surface.target(h) == v
 }
 
-fn length(surface: &Surface, line: &[Place]) -> f64 {
+fn length(surface: &Surface, line: &[EdgePoint]) -> f64 {
     line.windows(2).map(|pair| pair[0].position(surface).distance(pair[1].position(surface))).sum()
 }
 
-/// How sharply the surface bends at each vertex; nothing is told where it bends less than is asked for.
+/// The bend of the surface at each vertex; zero where it is below the asked one.
 struct Bending<'a> {
     surface: &'a Surface,
     /// The angle in radians by which it turns within a tile.
@@ -138,10 +138,10 @@ impl<'a> Bending<'a> {
         Self { surface, turns, across: bends.iter().map(|bend| bend.directions[0]).collect(), slopes }
     }
 
-    fn strength(&self, place: Place) -> f64 {
+    fn strength(&self, place: EdgePoint) -> f64 {
         match place {
-            Place::Vertex(v) => self.turns[v as usize],
-            Place::Edge(h, share) => {
+            EdgePoint::Vertex(v) => self.turns[v as usize],
+            EdgePoint::Edge(h, share) => {
                 let [a, b] = [self.surface.origin(h), self.surface.target(h)].map(|v| self.turns[v as usize]);
                 a + (b - a) * share
             }
@@ -176,7 +176,7 @@ impl<'a> Bending<'a> {
     }
 
     /// The lines that are at least so sharp, each a chain of places on edges.
-    fn lines(&self, least: f64) -> Vec<Vec<Place>> {
+    fn lines(&self, least: f64) -> Vec<Vec<EdgePoint>> {
         let surface = self.surface;
         let half_edges = 3 * surface.triangle_count() as u32;
         let crossings: Vec<Option<f64>> = (0..half_edges)
@@ -218,7 +218,7 @@ impl<'a> Bending<'a> {
                     side = surface.twin(out);
                 }
             }
-            lines.push(line.into_iter().map(|h| Place::Edge(h, crossings[h as usize].unwrap_or(0.5))).collect());
+            lines.push(line.into_iter().map(|h| EdgePoint::Edge(h, crossings[h as usize].unwrap_or(0.5))).collect());
         }
         lines
     }

@@ -1,4 +1,4 @@
-//! Makes lines across triangles into edges of the surface, which keeps its shape.
+//! Cuts triangles along lines, which become edges of the surface. The shape stays.
 
 mod flips;
 
@@ -6,16 +6,16 @@ use super::{NONE, Surface, next};
 use glam::{DVec3, Vec3};
 use rustc_hash::FxHashSet;
 
-/// A place on the surface's edges.
+/// A point on the surface's edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Place {
+pub(super) enum EdgePoint {
     /// A vertex.
     Vertex(u32),
     /// The share of the way along a half-edge.
     Edge(u32, f64),
 }
 
-impl Place {
+impl EdgePoint {
     pub fn position(self, surface: &Surface) -> DVec3 {
         match self {
             Self::Vertex(v) => surface.points[v as usize].as_dvec3(),
@@ -34,7 +34,7 @@ pub(super) struct Split {
     pub twins: Vec<u32>,
     /// The triangle that each one is a part of.
     pub sources: Vec<u32>,
-    /// The two parts of each half-edge of before, the first twice where it is whole.
+    /// The two parts of each former half-edge, the first twice where it is whole.
     pub parts: Vec<[u32; 2]>,
     /// The half-edges on the lines.
     pub on_lines: Vec<u32>,
@@ -42,7 +42,7 @@ pub(super) struct Split {
 
 impl Split {
     /// Cuts the triangles along lines whose neighbouring places lie on one triangle; an edge is cut at one place at most.
-    pub fn along(surface: &Surface, lines: &[Vec<Place>]) -> Self {
+    pub fn along(surface: &Surface, lines: &[Vec<EdgePoint>]) -> Self {
         let mut split = Self {
             points: surface.points.clone(),
             triangles: Vec::with_capacity(surface.triangle_count()),
@@ -70,10 +70,10 @@ impl Split {
         split
     }
 
-    fn vertex(&mut self, surface: &Surface, cuts: &mut [u32], place: Place) -> u32 {
+    fn vertex(&mut self, surface: &Surface, cuts: &mut [u32], place: EdgePoint) -> u32 {
         match place {
-            Place::Vertex(v) => v,
-            Place::Edge(h, _) => {
+            EdgePoint::Vertex(v) => v,
+            EdgePoint::Edge(h, _) => {
                 if cuts[h as usize] == NONE {
                     self.points.push(place.position(surface).as_vec3());
                     for side in [Some(h), surface.twin(h)].into_iter().flatten() {

@@ -1,14 +1,14 @@
-//! Drops creases that tiles cannot show.
+//! Drops creases that are too small for tiles.
 //!
 //! # Practice
-//! The rule, by the side `h` of a tile, for creases that nobody asked for (not for open boundaries, seams, named edges,
-//! borders of regions, ridges):
-//! - a spur, with an end that no other feature meets, goes where it is shorter than [`SPUR`] tiles;
-//! - a closed one, with a corner or none, goes where it is shorter than [`LOOP`] tiles;
-//! - one between two corners goes where it is shorter than [`SHORT`] tiles.
+//! The rule, in tile sides, for creases by angle alone (not for open boundaries, seams, named edges, borders of regions and
+//! ridges):
+//! - a spur, with an end that no other feature meets, is dropped where it is shorter than [`SPUR`];
+//! - a closed crease, with one corner or none, where it is shorter than [`LOOP`];
+//! - a crease between two corners, where it is shorter than [`SHORT`].
 //!
-//! The shortest goes first. Where two curves are left at a corner and do not turn there, they are one from then on, so a
-//! long crease that many short ones branch from stays.
+//! The shortest is dropped first. Two curves that are left at a corner and do not turn there become one, so that a long crease
+//! stays when short branches are dropped.
 
 use super::{NONE, Surface, features};
 use rustc_hash::FxHashMap;

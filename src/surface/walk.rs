@@ -1,20 +1,37 @@
-//! Moving on the surface: a displacement is laid in its triangle and unfolded across each edge that it crosses.
+//! Geodesic walks: a displacement lies in its triangle's plane and is unfolded across each edge that it crosses.
 //!
-//! The twin of `walk` in `shaders/relax.wgsl`: the same operations in the same order. A walk never jumps to the other
-//! side of a thin part, as a closest-point projection does. At a feature it goes on along it.
+//! The twin of `walk` in `shaders/relax.wgsl`: the same operations in the same order. A walk never jumps to the other side of a
+//! thin part, as a closest-point projection does. At a feature it continues along the feature.
 
-use super::{NONE, Surface, next, previous};
+use super::{NONE, Surface, SurfacePoint, next, previous};
 use crate::geometry::{cross, dot, unit};
 use glam::Vec3;
 
-/// Edges that one walk may cross; a displacement over more small triangles than that ends early.
+/// The edges that one walk may cross; a longer one ends early.
 pub(crate) const WALK_EDGES: u32 = 256;
 
-/// Where a walk has led.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Footing {
-    pub triangle: u32,
-    pub position: Vec3,
+/// Triangles that can be walked on.
+pub(crate) trait Walkable {
+    fn corners(&self, triangle: usize) -> [Vec3; 3];
+
+    /// The opposite half-edge; [`NONE`] where it may not be crossed.
+    fn beyond(&self, half_edge: u32) -> u32;
+}
+
+/// A surface of which some half-edges may not be crossed.
+struct Barred<'a, F> {
+    surface: &'a Surface,
+    barrier: F,
+}
+
+impl<F: Fn(u32) -> bool> Walkable for Barred<'_, F> {
+    fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.surface.corners(triangle)
+    }
+
+    fn beyond(&self, half_edge: u32) -> u32 {
+        if (self.barrier)(half_edge) { NONE } else { self.surface.twins[half_edge as usize] }
+    }
 }
 
 /// Walks from `position` in `triangle` by `displacement`, at most over `edges` edges.
@@ -27,17 +44,28 @@ pub(crate) fn walk(
     position: Vec3,
     displacement: Vec3,
     edges: u32,
-) -> Footing {
+) -> SurfacePoint {
+    walk_on(&Barred { surface, barrier }, triangle, position, displacement, edges)
+}
+
+/// As [`walk`].
+pub(crate) fn walk_on(
+    triangles: &impl Walkable,
+    triangle: u32,
+    position: Vec3,
+    displacement: Vec3,
+    edges: u32,
+) -> SurfacePoint {
     let mut t = triangle;
     let mut p = position;
     let mut heading = displacement;
     let mut left = 1.0f32;
     let mut entered = NONE;
     for _ in 0..edges {
-        let corners = surface.corners(t as usize);
+        let corners = triangles.corners(t as usize);
         let normal = unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
         let step = heading * left;
-        // The first edge that the rest of the way leaves the triangle by.
+        // The first edge by which the rest of the walk leaves the triangle.
         let (mut exit, mut share) = (NONE, 1.0f32);
         for k in 0..3u32 {
             let h = 3 * t + k;
@@ -57,14 +85,14 @@ pub(crate) fn walk(
         }
         p += step * share;
         if exit == NONE {
-            return Footing { triangle: t, position: onto_plane(p, corners[0], normal) };
+            return SurfacePoint { triangle: t, position: onto_plane(p, corners[0], normal) };
         }
         left *= 1.0 - share;
         let k = exit as usize % 3;
         let along = unit(corners[(k + 1) % 3] - corners[k]);
         let forward = dot(heading, along);
-        let twin = surface.twins[exit as usize];
-        if twin == NONE || barrier(exit) {
+        let twin = triangles.beyond(exit);
+        if twin == NONE {
             heading = along * forward;
             entered = exit;
             continue;
@@ -72,14 +100,14 @@ pub(crate) fn walk(
         let across = -dot(heading, cross(normal, along));
         t = twin / 3;
         entered = twin;
-        let beyond = surface.corners(t as usize);
+        let beyond = triangles.corners(t as usize);
         let beyond_normal = unit(cross(beyond[1] - beyond[0], beyond[2] - beyond[0]));
         // Seen from the other side the edge runs backwards, so its inward normal is that of `-along`.
         heading = along * forward + cross(along, beyond_normal) * across;
     }
-    let corners = surface.corners(t as usize);
+    let corners = triangles.corners(t as usize);
     let normal = unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
-    Footing { triangle: t, position: onto_plane(p, corners[0], normal) }
+    SurfacePoint { triangle: t, position: onto_plane(p, corners[0], normal) }
 }
 
 fn onto_plane(p: Vec3, through: Vec3, normal: Vec3) -> Vec3 {
@@ -143,8 +171,8 @@ mod tests {
         surface.corners(triangle as usize).iter().sum::<Vec3>() / 3.0
     }
 
-    /// How far a footing lies outside its triangle's sides, or off its plane.
-    fn off(surface: &Surface, foot: &Footing) -> f32 {
+    /// The distance of a point from its triangle, beyond its sides or off its plane.
+    fn off(surface: &Surface, foot: &SurfacePoint) -> f32 {
         let [a, b, c] = surface.corners(foot.triangle as usize);
         let normal = surface.normal(foot.triangle as usize);
         let outside = |s: Vec3, e: Vec3| -dot(unit(cross(normal, e - s)), foot.position - s);

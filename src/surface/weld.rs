@@ -1,28 +1,28 @@
-//! Joins points that are the same place and drops triangles that are none, and parts too small to have a shape.
+//! Merges points at one place, and drops degenerate triangles and parts that are too small for f32.
 
 use super::{Frame, Repairs, Soup, SurfaceError};
 use crate::sets::Sets;
 use glam::{DVec3, Vec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Points nearer than this, in diagonals of the bounding box, are one: the resolution of f32 in unit-sized coordinates.
+/// Points nearer than this, in diagonals of the bounding box, are merged: the resolution of f32 in unit-sized coordinates.
 const WELD: f64 = 1e-7;
 
-/// A part that is smaller than this along every axis, in diagonals of the bounding box, is dropped: f32 would leave it some
-/// hundred steps.
+/// A part that is smaller than this along every axis, in diagonals of the bounding box, is dropped: it has some hundred steps of
+/// f32.
 const SPECK: f64 = 1e-5;
 
-/// Unit-sized points without doubles, and the triangles that keep three different corners.
+/// Unit-sized points without duplicates, and the triangles with three different corners.
 pub(super) struct Welded {
     pub frame: Frame,
     pub points: Vec<Vec3>,
     pub triangles: Vec<[u32; 3]>,
-    /// Which of the soup's triangles each one was.
+    /// The index of each triangle in the soup.
     pub sources: Vec<u32>,
     pub repairs: Repairs,
 }
 
-/// Joins points at the same place and drops triangles without area and doubles.
+/// Merges points at one place, and drops triangles without area and duplicates.
 pub(super) fn weld(soup: &Soup) -> Result<Welded, SurfaceError> {
     let mut repairs = Repairs::default();
     let mut used = vec![false; soup.points.len()];
@@ -81,14 +81,14 @@ pub(super) fn weld(soup: &Soup) -> Result<Welded, SurfaceError> {
     Ok(Welded { frame, points: points.iter().map(|&p| on_grid(p)).collect(), triangles, sources, repairs })
 }
 
-/// The nearest point whose coordinates are multiples of 2^-24, what f32 resolves at the rim of the bounding box. Were the
-/// middle finer, a model far from the origin would have its own roundings there, and another mesh.
+/// The nearest point whose coordinates are multiples of 2^-24, the resolution of f32 at the rim of the bounding box. With a finer
+/// middle, the mesh of a model would depend on its distance from the origin.
 fn on_grid(p: DVec3) -> Vec3 {
     const STEPS: f64 = (1 << 24) as f64;
     ((p * STEPS).round() / STEPS).as_vec3()
 }
 
-/// The parts that triangles fall into.
+/// The connected parts.
 struct Parts {
     /// The part of each triangle.
     part: Vec<u32>,

@@ -178,7 +178,8 @@ pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &Connectivit
     engine.run(&[operations::PAIR]);
     if options.quads == Quads::All {
         let longest_row = 3 * options.longest_row;
-        engine.options = ConnectivityOptions { triangle_price: ALL_PRICE, longest_row, searched: 10 * options.searched, ..*options };
+        engine.options =
+            ConnectivityOptions { triangle_price: ALL_PRICE, longest_row, searched: 10 * options.searched, ..*options };
         engine.run(&[operations::PAIR]);
         operations::pair_along_strips(&mut engine);
         engine.options.regularity = options.regularity.max(REGULARITY);

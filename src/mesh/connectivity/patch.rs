@@ -41,7 +41,8 @@ pub(crate) fn relaxed(context: &Context, edit: &Edit, known: &[Measure], price: 
     let old = gone().chain(patch.faces.iter().copied()).filter(|&face| !edit.before(face).is_empty());
     let old: Vec<&Measure> = old.map(|face| &known[face as usize]).collect();
     let new: Vec<Measure> = (0..patch.corners.len()).map(|f| patch.measure(context, known, f)).collect();
-    let least = |measures: &mut dyn Iterator<Item = &Measure>| measures.map(Measure::least).fold(f64::INFINITY, f64::min);
+    let least =
+        |measures: &mut dyn Iterator<Item = &Measure>| measures.map(Measure::least).fold(f64::INFINITY, f64::min);
     Relaxed {
         before: old.iter().map(|measure| measure.score(price)).sum(),
         after: new.iter().map(|measure| measure.score(price)).sum(),

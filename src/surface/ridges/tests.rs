@@ -144,8 +144,8 @@ fn band() -> (Surface, Vec<u32>) {
 #[test]
 fn a_closed_line_stays_closed_where_it_is_put_on_vertices() {
     let (surface, edges) = band();
-    let places = |share: &dyn Fn(usize) -> f64| -> Vec<Place> {
-        let mut line: Vec<Place> = (0..).zip(&edges).map(|(k, &h)| Place::Edge(h, share(k))).collect();
+    let places = |share: &dyn Fn(usize) -> f64| -> Vec<EdgePoint> {
+        let mut line: Vec<EdgePoint> = (0..).zip(&edges).map(|(k, &h)| EdgePoint::Edge(h, share(k))).collect();
         line.push(line[0]);
         line
     };
@@ -157,9 +157,9 @@ fn a_closed_line_stays_closed_where_it_is_put_on_vertices() {
             let vertex = [surface.origin(across), surface.target(across)][end];
             assert_eq!(line.first(), line.last(), "edge {edge}, end {end}: {line:?}");
             assert_eq!(line.len(), 10, "edge {edge}, end {end}: {line:?}");
-            assert!(line.contains(&Place::Vertex(vertex)), "edge {edge}, end {end}");
+            assert!(line.contains(&EdgePoint::Vertex(vertex)), "edge {edge}, end {end}");
             let beside =
-                |pair: &[Place]| is_beside(&surface, pair[0], pair[1]) || is_beside(&surface, pair[1], pair[0]);
+                |pair: &[EdgePoint]| is_beside(&surface, pair[0], pair[1]) || is_beside(&surface, pair[1], pair[0]);
             assert!(!line.windows(2).any(beside), "edge {edge}, end {end}: {line:?}");
         }
     }
@@ -172,7 +172,7 @@ fn a_closed_line_stays_closed_where_it_is_put_on_vertices() {
 fn wing(triangles: usize, points: usize, ridge: f64) -> Surface {
     let soup = "m6".parse::<Example>().expect("an example").generate(triangles);
     let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-    let h = crate::mosaic::side_for_count(&surface, points);
+    let h = (surface.area() / points as f64).sqrt() as f32;
     surface.fitted(&FeatureOptions { ridge, ..FeatureOptions::default() }, h)
 }
 

@@ -3,7 +3,7 @@
 use super::Split;
 use crate::surface::{NONE, next, previous};
 
-/// A flip must make the worse of two parts better by this factor: none undoes another.
+/// The least factor by which a flip improves the worse of two parts, so that no flip undoes another.
 const GAIN: f64 = 1.01;
 
 impl Split {

@@ -65,16 +65,16 @@ fn marked(split: &Split) -> f64 {
     lower.map(|&h| point(h).distance(point(next(h)))).sum()
 }
 
-fn length(surface: &Surface, line: &[Place]) -> f64 {
+fn length(surface: &Surface, line: &[EdgePoint]) -> f64 {
     line.windows(2).map(|pair| pair[0].position(surface).distance(pair[1].position(surface))).sum()
 }
 
 #[test]
 fn each_way_through_a_triangle_becomes_edges() {
-    use Place::{Edge, Vertex};
+    use EdgePoint::{Edge, Vertex};
     let surface = two();
     // Half-edges 0 to 2 are the first triangle's, 3 to 5 the second's; 0 and 3 are the edge between.
-    let cases: [(&str, Vec<Place>, usize); 9] = [
+    let cases: [(&str, Vec<EdgePoint>, usize); 9] = [
         ("one edge, from the corner opposite", vec![Vertex(2), Edge(0, 0.3)], 4),
         ("one edge, from both corners opposite", vec![Vertex(2), Edge(0, 0.3), Vertex(3)], 4),
         ("two edges, the first corner cut off", vec![Edge(2, 0.4), Edge(0, 0.6)], 3 + 2),
@@ -101,7 +101,7 @@ fn the_shorter_diagonal_halves_what_is_left() {
     // The cuts are vertices 4 and 5; the two diagonals of the quad that is left, the shorter first.
     let cases = [([(0, 0.8), (1, 0.8)], [[0, 5], [4, 2]]), ([(1, 0.9), (2, 0.1)], [[4, 0], [1, 5]])];
     for (cuts, diagonals) in cases {
-        let split = Split::along(&two(), &[cuts.map(|(h, share)| Place::Edge(h, share)).to_vec()]);
+        let split = Split::along(&two(), &[cuts.map(|(h, share)| EdgePoint::Edge(h, share)).to_vec()]);
         let [shorter, longer] = diagonals.map(|[v, w]: [u32; 2]| {
             let joined = split.triangles.iter().any(|t| t.contains(&v) && t.contains(&w));
             (split.points[v as usize].distance(split.points[w as usize]), joined)
@@ -114,7 +114,8 @@ fn the_shorter_diagonal_halves_what_is_left() {
 #[test]
 fn broken_parts_are_seen() {
     let surface = two();
-    let good = || Split::along(&surface, &[vec![Place::Edge(1, 0.5), Place::Edge(0, 0.8), Place::Edge(5, 0.7)]]);
+    let good =
+        || Split::along(&surface, &[vec![EdgePoint::Edge(1, 0.5), EdgePoint::Edge(0, 0.8), EdgePoint::Edge(5, 0.7)]]);
     assert_eq!(fault(&surface, &good()), None);
     let seen = |change: fn(&mut Split), part: &str| {
         let mut split = good();
@@ -146,7 +147,7 @@ fn lines_all_over_a_surface_leave_its_shape() {
             }
             sides.iter().for_each(|&side| taken[side] = true);
             let share = 0.1 + 0.8 * f64::from(t % 7) / 6.0;
-            lines.push(vec![Place::Edge(g, share), Place::Edge(h, 1.0 - share)]);
+            lines.push(vec![EdgePoint::Edge(g, share), EdgePoint::Edge(h, 1.0 - share)]);
         }
         assert!(lines.len() > 100, "{name}");
         let split = Split::along(&surface, &lines);

@@ -134,9 +134,8 @@ fn worth_gained(engine: &Engine, edit: &Edit) -> Option<f64> {
         let points: Vec<DVec3> = corners.iter().map(|&v| edit.point(v)).collect();
         let sheets = corners.iter().map(|&v| edit.vertex(v).triangles);
         let frame = engine.mesh.metric().frame(corners);
-        let measure = Measure::of(&points, frame.as_ref(), None, || {
-            engine.context.orientation.is_inverted(&points, sheets)
-        });
+        let measure =
+            Measure::of(&points, frame.as_ref(), None, || engine.context.orientation.is_inverted(&points, sheets));
         !measure.is_fault && (corners.len() == 3 || measure.shape >= LEAST_SHAPE)
     };
     let gain = worth(engine, edit, &new) - worth(engine, edit, &old);

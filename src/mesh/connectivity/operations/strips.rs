@@ -61,8 +61,7 @@ struct Strip {
 pub(in super::super) fn pair_along_strips(engine: &mut Engine) {
     let triangles: Vec<u32> = (0..engine.mesh.face_bound() as u32).filter(|&face| engine.is_triangle(face)).collect();
     let strips: Vec<Strip> = triangles.into_par_iter().filter_map(|t| find_strip(engine, t, true)).collect();
-    let mut heap: BinaryHeap<_> =
-        (0..strips.len()).map(|k| Reverse((strips[k].cost, strips[k].triangle, k))).collect();
+    let mut heap: BinaryHeap<_> = (0..strips.len()).map(|k| Reverse((strips[k].cost, strips[k].triangle, k))).collect();
     let mut strips: Vec<Option<Strip>> = strips.into_iter().map(Some).collect();
     while let Some(Reverse((_, triangle, k))) = heap.pop() {
         let Some(strip) = strips[k].take() else { continue };
@@ -266,12 +265,10 @@ fn straight(engine: &Engine, marked: &BTreeSet<[u32; 2]>) -> Option<u32> {
 /// The edit that gives edges a vertex each and divides their faces.
 fn divided<'e>(engine: &'e Engine, marked: &BTreeSet<[u32; 2]>) -> Edit<'e> {
     let mut edit = Edit::new(engine.mesh);
-    let mut faces: Vec<u32> =
-        marked.iter().flat_map(|&[a, b]| [edit.left(a, b), edit.left(b, a)]).flatten().collect();
+    let mut faces: Vec<u32> = marked.iter().flat_map(|&[a, b]| [edit.left(a, b), edit.left(b, a)]).flatten().collect();
     faces.sort_unstable();
     faces.dedup();
-    let middles: FxHashMap<[u32; 2], u32> =
-        marked.iter().map(|&side| (side, split(engine, &mut edit, side))).collect();
+    let middles: FxHashMap<[u32; 2], u32> = marked.iter().map(|&side| (side, split(engine, &mut edit, side))).collect();
     for face in faces {
         let corners = engine.mesh.face(face);
         let on_sides: Vec<Option<u32>> = sides(corners).map(|side| middles.get(&undirected(side)).copied()).collect();
@@ -319,9 +316,7 @@ fn parts(engine: &Engine, edit: &mut Edit, corners: &[u32], on_sides: &[Option<u
         },
         _ => {
             let centre = centre(engine, edit, corners);
-            (0..count)
-                .filter_map(|k| met(k).map(|[before, after]| vec![corner(k), after, centre, before]))
-                .collect()
+            (0..count).filter_map(|k| met(k).map(|[before, after]| vec![corner(k), after, centre, before])).collect()
         }
     }
 }

@@ -72,7 +72,8 @@ fn shrunk<'e>(edit: &Edit<'e>, a: u32, b: u32) -> Vec<Edit<'e>> {
         return result.merge(a, b).map(|_| result).into_iter().collect();
     }
     let Some(curve) = edit.curve([a, b]) else { return Vec::new() };
-    let may_go = |&[_, goes]: &[u32; 2]| matches!(edit.vertex(goes).place, Place::OnCurve { curve: own, .. } if own == curve);
+    let may_go =
+        |&[_, goes]: &[u32; 2]| matches!(edit.vertex(goes).place, Place::OnCurve { curve: own, .. } if own == curve);
     [[a, b], [b, a]]
         .into_iter()
         .filter(may_go)

@@ -1,0 +1,74 @@
+//! The constraints of the field: arguments that `mesh`, `field`, `mosaic`, `picture` and `study` share.
+
+use super::features::FeatureArguments;
+use super::numbers::{degrees, number};
+use clap::Args;
+use quadmosaic::field::{Align, FieldOptions, Guide, GuideReport, read_guides};
+use quadmosaic::surface::{FeatureOptions, NamedEdge};
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub struct FieldArguments {
+    #[command(flatten)]
+    features: FeatureArguments,
+    /// Angle in degrees (1 to 180) by which a smooth surface must turn within one tile for the line of sharpest turn to carry
+    /// a row, as on the nose of a wing; 180: none does
+    #[arg(long, value_name = "ANGLE", default_value_t = 60.0, value_parser = degrees::<180>, help_heading = "Rows")]
+    ridge: f64,
+    /// A guide: rows run along DX,DY,DZ near the point X,Y,Z, and within the distance R of it; exactly, or, where a weight W is
+    /// given, drawn so strongly: 1 about as much as by the surroundings, 10 nearly all the way. May be given many times
+    #[arg(long = "guide", value_name = "X,Y,Z,DX,DY,DZ[,R[,W]]", allow_hyphen_values = true, help_heading = "Rows")]
+    guides: Vec<Guide>,
+    /// Guides from a file: CSV, one a line, the columns as for --guide or named by a header (x, y, z, dx, dy, dz, radius,
+    /// weight); or JSON with strokes too: {"guides": [{"point": [X,Y,Z], "direction": [DX,DY,DZ]}], "strokes": [{"points":
+    /// [[X,Y,Z], ...]}]}, each perhaps with "radius" and "weight"
+    #[arg(long = "guides", value_name = "FILE", help_heading = "Rows")]
+    guide_files: Vec<PathBuf>,
+    /// Draw rows along the directions of greatest and least curvature where no guide and no feature is; WEIGHT: 1 is
+    /// moderate, 0 off
+    #[arg(long, value_name = "curvature:WEIGHT", value_parser = align, help_heading = "Rows")]
+    align: Option<Align>,
+}
+
+impl FieldArguments {
+    /// What counts as a feature.
+    pub fn features(&self) -> FeatureOptions {
+        FeatureOptions { ridge: self.ridge, ..self.features.options() }
+    }
+
+    /// The edges that are features whatever their angle.
+    ///
+    /// # Errors
+    /// Where a file of edges cannot be read.
+    pub fn edges(&self) -> anyhow::Result<Vec<NamedEdge>> {
+        self.features.edges()
+    }
+
+    /// What draws the field beside features.
+    ///
+    /// # Errors
+    /// Where a file of guides cannot be read.
+    pub fn field(&self) -> anyhow::Result<FieldOptions> {
+        let number = |(at, guide): (usize, &Guide)| guide.clone().named(format!("--guide number {}", at + 1));
+        let mut guides: Vec<Guide> = self.guides.iter().enumerate().map(number).collect();
+        for file in &self.guide_files {
+            guides.extend(read_guides(file)?);
+        }
+        Ok(FieldOptions { guides, align: self.align, ..FieldOptions::default() })
+    }
+}
+
+/// Warns of guides without, or without the whole, effect.
+pub fn warn_of(guides: &[GuideReport]) {
+    for guide in guides {
+        if let Some(trouble) = &guide.trouble {
+            eprintln!("warning: {}: {trouble}", guide.name);
+        }
+    }
+}
+
+fn align(text: &str) -> Result<Align, String> {
+    let weight = text.strip_prefix("curvature:").and_then(|weight| number(weight, 0.0..=1e6));
+    let weight = weight.ok_or("write curvature:WEIGHT, the weight a number from 0 to 1000000, as curvature:1")?;
+    Ok(Align { weight, side: None })
+}

@@ -1,0 +1,182 @@
+//! Lays the tiles of a mosaic at one scale, splits them and relaxes them.
+//!
+//! # Practice
+//! Squares whose rows may end are laid coarsely, relaxed, and split three by three, level after level. Rows that pass over
+//! the whole surface, and rectangles, are laid at their final scale and not relaxed.
+
+use super::{CurveParameters, Mosaic, insert_delete, refine, seed};
+use crate::compute::{Backend, ComputeError, Relaxation, RelaxationContext, Tile};
+use crate::field::Field;
+use crate::geometry::dot;
+use crate::parametrize::integer_grid::{DOUBLE, continuous_integer_grid, integer_grid};
+use crate::parametrize::{GridMetric, Parametrization, Rows};
+use crate::sizes::Sizes;
+use crate::surface::Surface;
+use glam::Vec3;
+
+/// The longest edge that the parametrization sees rows across, in tile sides.
+const LONGEST_EDGE: f64 = 0.9;
+/// The same, in the shorter sides of tiles that are rectangles.
+const LONGEST_ACROSS: f64 = 1.0;
+/// The direction in which sides grow: oblique, so that parts that mirror each other differ.
+const TILTED: [f32; 3] = [0.53, 0.62, 0.58];
+/// Relaxation ends when the tiles move by less than this in a batch, in the mean, in tile sides.
+const STILL: f32 = 0.01;
+
+/// How hard to work on the tiles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// The parametrization is solved for at most this many tiles; more are made by splitting. Default 16,000.
+    pub solved: usize,
+    /// Batches of relaxation on each level, each before tiles are inserted and deleted, at most. Default 2.
+    pub batches: usize,
+    /// Steps a batch. Default 8.
+    pub steps: u32,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self { solved: 16_000, batches: 2, steps: 8 }
+    }
+}
+
+/// How often each tile of the parametrization is split into three by three where tiles at the scale `h` are wanted.
+fn splits(surface: &Surface, sizes: &Sizes, h: f64, solved: usize) -> i32 {
+    let excess = sizes.count_for_side(surface, h) / solved.max(1) as f64;
+    excess.log(9.0).ceil().max(0.0) as i32
+}
+
+/// The longest edge allowed at each vertex of a surface for a mosaic of `count` tiles, their longer sides up to `aspect`
+/// times their shorter ones, in unit-sized coordinates: the parametrization sees its rows from vertex to vertex.
+pub fn longest_edges(surface: &Surface, sizes: &Sizes, count: usize, aspect: f64) -> Vec<f64> {
+    let h = f64::from(sizes.side_for_count(surface, count));
+    let across = LONGEST_EDGE.min(LONGEST_ACROSS / aspect.sqrt());
+    let longest = across * h * 3f64.powi(splits(surface, sizes, h, Effort::default().solved));
+    (0..surface.vertex_count() as u32).map(|v| longest * f64::from(sizes.at_vertex(v))).collect()
+}
+
+/// Lays mosaics on one surface.
+pub struct MosaicBuilder<'a> {
+    /// The surface.
+    pub surface: &'a Surface,
+    /// Its field.
+    pub field: &'a Field,
+    /// What the kernels run on.
+    pub backend: &'a dyn Backend,
+    /// How hard to work.
+    pub effort: Effort,
+    /// Whether rows may end.
+    pub rows: Rows,
+    /// Is told how far the work is, from 0 to 1; it begins anew where a mosaic is laid again for its count.
+    pub progress: &'a dyn Fn(f32),
+}
+
+/// A builder at work: where tiles are relaxed, with the context for it.
+pub(super) struct Laying<'a> {
+    pub builder: &'a MosaicBuilder<'a>,
+    pub relaxation: Option<Box<dyn RelaxationContext + 'a>>,
+}
+
+impl MosaicBuilder<'_> {
+    /// Whether tiles are relaxed after they are laid.
+    pub(super) fn relaxes(&self) -> bool {
+        self.rows == Rows::Paper && self.field.stretch().is_none()
+    }
+}
+
+impl Laying<'_> {
+    /// Tiles at the scale `h`, the finest level not relaxed; their sides differ by up to `tilt` over the surface.
+    ///
+    /// # Errors
+    /// Where the backend fails.
+    pub(super) fn unrelaxed(&self, h: f32, tilt: f32) -> Result<Mosaic, ComputeError> {
+        let &MosaicBuilder { surface, field, effort, .. } = self.builder;
+        let splits = splits(surface, field.sizes(), f64::from(h), effort.solved);
+        let mut mosaic = self.laid(h, tilt, 3u32.pow(splits as u32))?;
+        if self.relaxation.is_some() {
+            for split in 1..=splits {
+                mosaic = self.relaxed(mosaic, h * 3f32.powi(splits - split + 1))?;
+                mosaic = self.refined(&mosaic, h * 3f32.powi(splits - split));
+            }
+        }
+        Ok(mosaic)
+    }
+
+    /// Tiles on the integer grid of a parametrization that is solved at the scale `h * finer`: at that scale where they will
+    /// be relaxed and split, else at the scale `h`, with `finer` times as many rows.
+    fn laid(&self, h: f32, tilt: f32, finer: u32) -> Result<Mosaic, ComputeError> {
+        let &MosaicBuilder { surface, field, rows, backend, .. } = self.builder;
+        let solved = h * finer as f32;
+        let mut parametrization =
+            Parametrization::solve(surface, field, sides(surface, field, solved, tilt), rows, backend)?;
+        let row_ends = parametrization.resolve_row_ends(surface, rows, finer, backend)?;
+        let is_relaxed = self.relaxation.is_some();
+        let h = if is_relaxed { solved } else { h };
+        if !is_relaxed {
+            parametrization.multiply(finer);
+        }
+        let mut metric = match rows {
+            Rows::Continuous => Some(GridMetric::new(surface, &parametrization)),
+            Rows::Paper => field.stretch().map(|_| GridMetric::of_transitions(&parametrization)),
+        };
+        let points = match (rows, &metric) {
+            (Rows::Continuous, Some(metric)) => continuous_integer_grid(surface, field, &parametrization, metric, h),
+            _ => integer_grid(surface, field, &parametrization, h),
+        };
+        let mut tiles: Vec<Tile> = points.iter().map(|point| Tile::on_grid(surface, field, point)).collect();
+        if tiles.is_empty() && rows == Rows::Paper {
+            tiles = seed::seed(surface, field, h);
+        }
+        let curve_parameters = CurveParameters::new(surface, field, &parametrization);
+        let mosaic = Mosaic::new(surface, field, h, curve_parameters, tiles);
+        let mosaic = match rows {
+            _ if is_relaxed => insert_delete::insert_and_delete(surface, field, &mosaic),
+            Rows::Paper => insert_delete::delete_crowded(&mosaic, insert_delete::CROWDED),
+            Rows::Continuous => insert_delete::delete_crowded(&mosaic, DOUBLE),
+        };
+        if let Some(metric) = &mut metric {
+            metric.keep_cones(mosaic.free().iter().map(|tile| tile.position));
+        }
+        Ok(Mosaic { metric, row_ends: Some(row_ends), ..mosaic })
+    }
+
+    fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {
+        let &MosaicBuilder { surface, field, .. } = self.builder;
+        let free = refine::refine(surface, field, coarse, h);
+        let refined = Mosaic::new(surface, field, h, coarse.curve_parameters.thirds(), free);
+        Mosaic { row_ends: coarse.row_ends, ..insert_delete::insert_and_delete(surface, field, &refined) }
+    }
+
+    /// Relaxed in batches, tiles being inserted and deleted after each; as it is where tiles are not relaxed.
+    ///
+    /// # Errors
+    /// Where the backend fails.
+    pub(super) fn relaxed(&self, mut mosaic: Mosaic, h: f32) -> Result<Mosaic, ComputeError> {
+        let Some(context) = &self.relaxation else { return Ok(mosaic) };
+        let &MosaicBuilder { surface, field, effort, .. } = self.builder;
+        let relaxation = Relaxation::new(effort.steps, h, field.sizes());
+        for _ in 0..effort.batches {
+            let tiles = context.relax(&mosaic.tiles, &relaxation)?;
+            let is_still = movement(&mosaic.tiles, &tiles) < STILL;
+            mosaic = insert_delete::insert_and_delete(surface, field, &Mosaic { tiles, ..mosaic });
+            if is_still {
+                break;
+            }
+        }
+        Ok(mosaic)
+    }
+}
+
+/// The side of the tiles at each vertex of the surface.
+fn sides(surface: &Surface, field: &Field, h: f32, tilt: f32) -> impl Fn(u32) -> f64 + Sync {
+    move |vertex| {
+        let up = dot(Vec3::from(TILTED), surface.points[vertex as usize]);
+        f64::from(h * field.sizes().at_vertex(vertex) * (1.0 + tilt * up))
+    }
+}
+
+/// How far tiles have moved in the mean, in tile sides.
+fn movement(before: &[Tile], after: &[Tile]) -> f32 {
+    let moved: f32 = before.iter().zip(after).map(|(a, b)| (b.at() - a.at()).length() / b.h).sum();
+    moved / after.len().max(1) as f32
+}

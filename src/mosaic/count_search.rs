@@ -1,0 +1,120 @@
+//! The search for the scale at which a mosaic has the asked number of tiles.
+//!
+//! # Practice
+//! Up to its finest level a mosaic is cheap. It is laid at another scale until its count there is right, and only then
+//! relaxed on the finest level.
+
+use super::Mosaic;
+use super::builder::{Laying, MosaicBuilder};
+use crate::compute::ComputeError;
+use crate::parametrize::Rows;
+
+/// A mosaic may miss the asked count by this share before another one is laid.
+const COUNT_ERROR: f64 = 0.01;
+/// Mosaics that are relaxed on the finest level.
+const ATTEMPTS: usize = 3;
+/// A mosaic that is not relaxed yet may have so much less and so much more than the asked count, as shares, before another
+/// one is tried: relaxation and clean-up delete some tiles.
+const UNRELAXED_ERROR: [f64; 2] = [0.003, 0.009];
+/// Mosaics that are tried for one aim.
+const TRIES: usize = 6;
+/// So many of them with equal sides throughout. On a surface with many equal parts, as the teeth of a gear, all of these get
+/// another row at the same side, and the count jumps; where sides differ a little they do so one after the other.
+const EVEN_TRIES: usize = 2;
+/// By how much sides differ then, as a share, over the diagonal of the surface.
+const TILT: f32 = 0.04;
+
+/// A mosaic that was tried: its scale, by how much its sides differ, and its count before its finest level is relaxed.
+#[derive(Clone, Copy)]
+struct Try {
+    h: f32,
+    tilt: f32,
+    count: usize,
+}
+
+impl MosaicBuilder<'_> {
+    /// A mosaic of nearly `count` tiles.
+    ///
+    /// Relaxation of the finest level changes the count a little; where it misses by too much, another count is aimed at.
+    ///
+    /// # Errors
+    /// Where the backend fails.
+    pub fn with_count(&self, count: usize) -> Result<Mosaic, ComputeError> {
+        let surface = self.relaxes().then(|| self.field.relaxation_surface(self.surface));
+        let relaxation = surface.as_ref().map(|surface| self.backend.relaxation(surface)).transpose()?;
+        Laying { builder: self, relaxation }.with_count(count)
+    }
+}
+
+impl Laying<'_> {
+    fn with_count(&self, count: usize) -> Result<Mosaic, ComputeError> {
+        let mut aim = count as f64;
+        let mut tried = Vec::new();
+        let mut best = self.aimed_at(aim, &mut tried)?;
+        let mut last = best.count();
+        let miss = |found: usize| (found.max(1) as f64 / count as f64).ln().abs();
+        for _ in 1..ATTEMPTS {
+            // Where features alone have more tiles than are wanted, or tiles are not relaxed, no other aim helps.
+            if miss(last) < COUNT_ERROR || best.feature_samples.len() >= count || self.relaxation.is_none() {
+                break;
+            }
+            aim *= count as f64 / last.max(1) as f64;
+            let other = self.aimed_at(aim, &mut tried)?;
+            last = other.count();
+            if miss(last) < miss(best.count()) {
+                best = other;
+            }
+        }
+        Ok(best)
+    }
+
+    /// A mosaic that has `count` tiles before its finest level is relaxed; what was `tried` for another count shows where to
+    /// begin.
+    fn aimed_at(&self, count: f64, tried: &mut Vec<Try>) -> Result<Mosaic, ComputeError> {
+        // Rows that pass everywhere cost more than what they miss by.
+        let [less, more] = if self.builder.rows == Rows::Continuous { [COUNT_ERROR; 2] } else { UNRELAXED_ERROR };
+        let (middle, reach) = ((more - less) / 2.0, (more + less) / 2.0);
+        let off = |found: usize| ((found.max(1) as f64 / count).ln() - middle).abs();
+        let mut best: Option<(Try, Mosaic)> = None;
+        for attempt in 0..TRIES {
+            let known = tried.iter().copied().min_by(|a, b| off(a.count).total_cmp(&off(b.count)));
+            let known = known.filter(|known| attempt == 0 && off(known.count) < reach);
+            let (h, tilt) = known.map_or_else(
+                || (self.next_scale(count, tried), if tried.len() < EVEN_TRIES { 0.0 } else { TILT }),
+                |known| (known.h, known.tilt),
+            );
+            let mosaic = self.unrelaxed(h, tilt)?;
+            let (features, found) = (mosaic.feature_samples.len(), mosaic.count());
+            let this = Try { h, tilt, count: found };
+            tried.push(this);
+            if best.as_ref().is_none_or(|(best, _)| off(found) < off(best.count)) {
+                best = Some((this, mosaic));
+            }
+            if off(found) < reach || features as f64 >= count {
+                break;
+            }
+        }
+        (self.builder.progress)(0.3);
+        let (Try { h, .. }, mosaic) = best.expect("one try at least");
+        let relaxed = self.relaxed(mosaic, h)?;
+        (self.builder.progress)(1.0);
+        Ok(relaxed)
+    }
+
+    /// The scale to try next: between the last ones that gave too few tiles and too many, or beyond the last.
+    fn next_scale(&self, count: f64, tried: &[Try]) -> f32 {
+        let miss = |tried: &Try| (tried.count.max(1) as f64 / count).ln();
+        // The last ones: the count jumps, and where the nearest ones stay the same, so would the scale between them.
+        let latest = |is_many: bool| {
+            let found = tried.iter().rev().find(|tried| (miss(tried) > 0.0) == is_many);
+            found.map(|tried| (f64::from(tried.h), miss(tried)))
+        };
+        match ([latest(false), latest(true)], tried.last()) {
+            ([Some((large, few)), Some((small, many))], _) if large > small => {
+                (small * (large / small).powf(many / (many - few))) as f32
+            }
+            (_, Some(last)) => last.h * (miss(last) / 2.0).exp() as f32,
+            (_, None) => self.builder.field.sizes().side_for_count(self.builder.surface, count.round() as usize),
+        }
+    }
+}

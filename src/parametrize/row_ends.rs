@@ -1,0 +1,421 @@
+//! Row ends, cancelled along shortest paths.
+//!
+//! # Theory
+//! Along each half-edge the coordinates jump by a pair of integers. Around a triangle in which the field has a direction the
+//! steps add up to a pair of integers: to zero where rows pass, to a unit where a row ends. Such a *charge* is moved over an
+//! edge by a change of the edge's jump, and vanishes where it meets its opposite. It may also go into a triangle where the
+//! field is singular, or over an open boundary, which then has a tile more or less. Paths grow from all charges at once, the
+//! cheapest first (Dijkstra); those that meet first cancel. The price of an edge is how much more its step differs from the
+//! wanted one, squared. Afterwards the coordinates are solved for again by least squares, with these jumps (Bommer, Zimmer and
+//! Kobbelt 2009, *Mixed-integer quadrangulation*).
+
+use super::transitions::turned;
+use super::{Parametrization, Rows};
+use crate::surface::{Surface, previous};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// The least price of an edge, in weighted squares of a tile side.
+const LEAST_COST: f64 = 0.02;
+/// The highest price of a path between ends of rows that may end, in weighted squares of a tile side
+/// (docs/experiments.md, parametrization). Where each tile is split into n by n later, it is an n-th: the sides of n times as
+/// many rows share the difference.
+const MOST_COST: f64 = 12.0;
+
+/// What became of the ends of rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct RowEnds {
+    /// Ends of rows after the periodic solve, with their multiplicity.
+    pub before: usize,
+    /// Ends of rows that are left.
+    pub after: usize,
+    /// Edges that the paths cross, in all.
+    pub path_edges: usize,
+}
+
+/// The unit vector of a direction, in quarter turns.
+fn unit(k: u32) -> [i32; 2] {
+    [[1, 0], [0, 1], [-1, 0], [0, -1]][k as usize % 4]
+}
+
+struct Flow<'a, 'b> {
+    surface: &'a Surface,
+    parametrization: &'a mut Parametrization<'b>,
+    weights: Vec<f32>,
+    /// The feature curve of each half-edge on one, and how many tile sides it has.
+    curve_of: Vec<u32>,
+    intervals: Vec<i32>,
+    /// The price of moving a charge over each half-edge, for each direction of its triangle; infinite: it cannot.
+    prices: Vec<[f32; 4]>,
+    charges: Vec<[i32; 2]>,
+    /// Whether a charge of any kind may end in a triangle.
+    sinks: Vec<bool>,
+    /// Whether a vertex lies where several sheets meet.
+    shared: Vec<bool>,
+    // Of a search, by triangle and direction: cost, the state before and the half-edge crossed last, the charge that the path
+    // began with, whether the cost is final.
+    cost: Vec<f64>,
+    from: Vec<[u32; 2]>,
+    label: Vec<u32>,
+    done: Vec<bool>,
+    touched: Vec<u32>,
+}
+
+/// The states of a triangle's charge, one for each coordinate.
+fn states_of(triangle: u32, [u, v]: [i32; 2]) -> impl Iterator<Item = u32> {
+    let along = (u != 0).then_some(if u > 0 { 0 } else { 2 });
+    let across = (v != 0).then_some(if v > 0 { 1 } else { 3 });
+    [along, across].into_iter().flatten().map(move |k| 4 * triangle + k)
+}
+
+/// What happens in a search, in the order of costs.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Event {
+    /// A state is reached.
+    Reached(u32),
+    /// Opposite charges meet in these two states.
+    Met(u32, u32),
+    /// A charge leaves a state over a boundary half-edge.
+    Left(u32, u32),
+}
+
+/// Where a path ends.
+enum End {
+    /// In a triangle, with this direction.
+    Inside(u32),
+    /// Over a boundary half-edge, from a state.
+    Outside(u32, u32),
+}
+
+const NOWHERE: u32 = u32::MAX;
+
+impl Parametrization<'_> {
+    /// Cancels the ends of rows: all of them where rows are continuous, else those with a cheap path. Afterwards the coordinates
+    /// must be solved for again.
+    pub(super) fn cancel_row_ends(&mut self, surface: &Surface, rows: Rows, finer: u32) -> RowEnds {
+        let triangles = surface.triangle_count() as u32;
+        let sinks: Vec<bool> = (0..triangles).map(|t| self.quarters_around(t) != 0).collect();
+        let charges: Vec<[i32; 2]> =
+            (0..triangles).map(|t| if sinks[t as usize] { [0; 2] } else { self.charge(t) }).collect();
+        let sectors = self.field.sectors();
+        let weights = (0..3 * triangles).map(|h| sectors.cotangent(previous(h)).clamp(0.04, 2.0) as f32).collect();
+        let mut shared = vec![false; surface.vertex_count()];
+        for v in 0..surface.vertex_count() as u32 {
+            let first = surface.same_place(v);
+            if first != v {
+                shared[v as usize] = true;
+                shared[first as usize] = true;
+            }
+        }
+        let count = |charges: &[[i32; 2]]| {
+            charges.iter().map(|c| (c[0].unsigned_abs() + c[1].unsigned_abs()) as usize).sum::<usize>()
+        };
+        let before = count(&charges);
+        let mut curve_of = vec![NOWHERE; self.transitions.len()];
+        let mut intervals = Vec::new();
+        for (number, curve) in (0..).zip(surface.features().curves()) {
+            intervals.push(curve.half_edges.iter().map(|&h| self.along(h)[1]).sum::<f64>().round() as i32);
+            for &h in &curve.half_edges {
+                for side in [Some(h), surface.twin(h)].into_iter().flatten() {
+                    curve_of[side as usize] = number;
+                }
+            }
+        }
+        let states = 4 * triangles as usize;
+        let mut flow = Flow {
+            surface,
+            parametrization: self,
+            weights,
+            curve_of,
+            intervals,
+            prices: Vec::new(),
+            charges,
+            sinks,
+            shared,
+            cost: vec![f64::INFINITY; states],
+            from: vec![[NOWHERE; 2]; states],
+            label: vec![NOWHERE; states],
+            done: vec![false; states],
+            touched: Vec::new(),
+        };
+        flow.prices = {
+            let flow = &flow;
+            (0..3 * triangles).into_par_iter().map(|h| flow.prices_of(h)).collect()
+        };
+        let mut path_edges = 0;
+        loop {
+            let crossed = flow.round(if rows == Rows::Paper { MOST_COST / f64::from(finer) } else { f64::INFINITY });
+            path_edges += crossed;
+            if crossed == 0 {
+                break;
+            }
+        }
+        if rows == Rows::Continuous {
+            path_edges += flow.make_cones_integer();
+        }
+        RowEnds { before, after: count(&flow.charges), path_edges }
+    }
+
+    /// Quarter turns by which the axes turn around a triangle.
+    pub(super) fn quarters_around(&self, triangle: u32) -> u32 {
+        (0..3).map(|k| self.transitions[3 * triangle as usize + k].quarters).sum::<u32>() % 4
+    }
+
+    /// Quarter turns from the axes where a half-edge begins to those at its triangle's first corner.
+    fn quarters_home(&self, half_edge: u32) -> u32 {
+        let first = half_edge - half_edge % 3;
+        let passed: u32 = (first..half_edge).map(|h| self.transitions[h as usize].quarters).sum();
+        (4 - passed % 4) % 4
+    }
+
+    /// The sum of the steps around a triangle, in the frame of its first corner.
+    fn charge(&self, triangle: u32) -> [i32; 2] {
+        let mut sum = [0.0; 2];
+        for h in 3 * triangle..3 * triangle + 3 {
+            let step = turned(self.step(h), self.quarters_home(h));
+            sum = [sum[0] + step[0], sum[1] + step[1]];
+        }
+        sum.map(|x| x.round() as i32)
+    }
+}
+
+impl Flow<'_, '_> {
+    /// Grows paths from all charges at once and cancels those that meet first, up to the price `most` of both paths together;
+    /// how many edges were crossed.
+    fn round(&mut self, most: f64) -> usize {
+        let mut heap = BinaryHeap::new();
+        let starts: Vec<u32> = (0..).zip(&self.charges).flat_map(|(t, &charge)| states_of(t, charge)).collect();
+        for (label, &state) in (0..).zip(&starts) {
+            self.reach(state, 0.0, [NOWHERE; 2], label);
+            heap.push(Reverse((0, Event::Reached(state))));
+        }
+        let mut alive = vec![true; starts.len()];
+        let mut crossed = 0;
+        while let Some(Reverse((bits, event))) = heap.pop() {
+            // Costs are finite and not negative, so their bits are in order.
+            let cost = f64::from_bits(bits);
+            if cost > most {
+                break;
+            }
+            let label = |flow: &Self, state: u32| flow.label[state as usize] as usize;
+            match event {
+                Event::Reached(state) => {
+                    if cost > self.cost[state as usize] || !alive[label(self, state)] {
+                        continue;
+                    }
+                    self.done[state as usize] = true;
+                    if self.sinks[state as usize / 4] {
+                        alive[label(self, state)] = false;
+                        crossed += self.apply_path(End::Inside(state));
+                        continue;
+                    }
+                    let opposite = state ^ 2;
+                    if self.done[opposite as usize] {
+                        let together = cost + self.cost[opposite as usize];
+                        heap.push(Reverse((together.to_bits(), Event::Met(state, opposite))));
+                    }
+                    self.grow(state, cost, |there, event| heap.push(Reverse((there.to_bits(), event))));
+                }
+                Event::Met(a, b) => {
+                    let [one, other] = [a, b].map(|state| label(self, state));
+                    if one != other && alive[one] && alive[other] {
+                        (alive[one], alive[other]) = (false, false);
+                        crossed += self.apply_path(End::Inside(a)) + self.apply_path(End::Inside(b));
+                    }
+                }
+                Event::Left(state, h) => {
+                    if std::mem::replace(&mut alive[label(self, state)], false) {
+                        crossed += self.apply_path(End::Outside(state, h));
+                    }
+                }
+            }
+        }
+        self.reset_search();
+        crossed
+    }
+
+    /// Reaches what lies beside a state.
+    fn grow(&mut self, state: u32, cost: f64, mut push: impl FnMut(f64, Event)) {
+        for h in 3 * (state / 4)..3 * (state / 4) + 3 {
+            let there = cost + f64::from(self.prices[h as usize][state as usize % 4]);
+            if there.is_infinite() {
+                continue;
+            }
+            match self.surface.twin(h) {
+                None => push(there, Event::Left(state, h)),
+                Some(twin) => {
+                    let next = 4 * (twin / 3) + self.across(h, twin, state % 4);
+                    if there < self.cost[next as usize] {
+                        self.reach(next, there, [state, h], self.label[state as usize]);
+                        push(there, Event::Reached(next));
+                    }
+                }
+            }
+        }
+    }
+
+    fn reset_search(&mut self) {
+        for state in self.touched.drain(..) {
+            self.cost[state as usize] = f64::INFINITY;
+            self.done[state as usize] = false;
+        }
+    }
+
+    /// Moves a charge from one cone with half-integer coordinates to the next one, until all have integers.
+    fn make_cones_integer(&mut self) -> usize {
+        let mut crossed = 0;
+        for t in (0..self.sinks.len() as u32).filter(|&t| self.sinks[t as usize]).collect::<Vec<_>>() {
+            if self.is_half_integer(t) {
+                let end = self.search(4 * t, |flow, state| {
+                    flow.sinks[state as usize / 4] && state / 4 != t && flow.is_half_integer(state / 4)
+                });
+                crossed += end.map_or(0, |end| self.apply_path(end));
+                self.reset_search();
+            }
+        }
+        crossed
+    }
+
+    /// Whether the cone in a triangle has half-integer coordinates.
+    fn is_half_integer(&self, triangle: u32) -> bool {
+        self.parametrization.cone(triangle).is_some_and(|cone| !self.parametrization.is_integer(&cone))
+    }
+
+    /// The cheapest path from a state to one that takes its charge.
+    fn search(&mut self, start: u32, takes: impl Fn(&Self, u32) -> bool) -> Option<End> {
+        let mut heap = BinaryHeap::new();
+        self.reach(start, 0.0, [NOWHERE; 2], 0);
+        heap.push(Reverse((0, Event::Reached(start))));
+        while let Some(Reverse((bits, event))) = heap.pop() {
+            let cost = f64::from_bits(bits);
+            match event {
+                Event::Reached(state) if cost > self.cost[state as usize] => {}
+                Event::Reached(state) if state != start && takes(self, state) => return Some(End::Inside(state)),
+                Event::Reached(state) => {
+                    self.grow(state, cost, |there, event| heap.push(Reverse((there.to_bits(), event))));
+                }
+                Event::Left(state, h) => return Some(End::Outside(state, h)),
+                Event::Met(..) => {}
+            }
+        }
+        None
+    }
+
+    fn reach(&mut self, state: u32, cost: f64, from: [u32; 2], label: u32) {
+        if self.cost[state as usize].is_infinite() {
+            self.touched.push(state);
+        }
+        self.cost[state as usize] = cost;
+        self.from[state as usize] = from;
+        self.label[state as usize] = label;
+    }
+
+    /// The direction that a charge in the direction `k` has on the other side of a half-edge.
+    fn across(&self, half_edge: u32, twin: u32, k: u32) -> u32 {
+        let parametrization = &self.parametrization;
+        // To the axes where the half-edge begins, where its twin ends; then to where the twin begins, and home.
+        let here = k + 4 - parametrization.quarters_home(half_edge);
+        let quarters = if self.surface.features().is_feature(half_edge) {
+            // Beside a feature each side has its own axes; along it they are opposite.
+            return (self.along(twin) + 4 + 2 + here - self.along(half_edge) + parametrization.quarters_home(twin)) % 4;
+        } else {
+            parametrization.transitions[half_edge as usize].quarters
+        };
+        (here + quarters + parametrization.quarters_home(twin)) % 4
+    }
+
+    /// Quarter turns from the axis to a half-edge on a feature, where it begins.
+    fn along(&self, half_edge: u32) -> u32 {
+        let [x, y] = self.parametrization.transitions[half_edge as usize].wanted;
+        if x.abs() >= y.abs() {
+            if x > 0.0 { 0 } else { 2 }
+        } else if y > 0.0 {
+            1
+        } else {
+            3
+        }
+    }
+
+    fn prices_of(&self, half_edge: u32) -> [f32; 4] {
+        [0, 1, 2, 3].map(|k| self.price(half_edge, k).map_or(f32::INFINITY, |price| price as f32))
+    }
+
+    /// The price of moving a charge in the direction `k` over a half-edge; `None`: it cannot.
+    fn price(&self, half_edge: u32, k: u32) -> Option<f64> {
+        let parametrization = &self.parametrization;
+        let here = (k + 4 - parametrization.quarters_home(half_edge)) % 4;
+        // The change of the jump.
+        let change = unit(here).map(|x| -f64::from(x));
+        let step = parametrization.step(half_edge);
+        if self.surface.features().is_feature(half_edge) {
+            let along = unit(self.along(half_edge)).map(f64::from);
+            let more = change[0] * along[0] + change[1] * along[1];
+            let ends = [half_edge, crate::surface::next(half_edge)].map(|h| self.surface.origin(h) as usize);
+            let left = self.intervals[self.curve_of[half_edge as usize] as usize] + more as i32;
+            if more == 0.0 || left < 1 || ends.iter().any(|&v| self.shared[v]) {
+                return None;
+            }
+        }
+        let wanted = parametrization.transitions[half_edge as usize].wanted;
+        let grown = (0..2).map(|i| {
+            let off = step[i] - wanted[i];
+            (off + change[i]).powi(2) - off.powi(2)
+        });
+        Some((f64::from(self.weights[half_edge as usize]) * grown.sum::<f64>()).max(LEAST_COST))
+    }
+
+    /// Changes the jumps along the path that was found; how many edges it crosses.
+    fn apply_path(&mut self, end: End) -> usize {
+        let mut crossed = 0;
+        let mut state = match end {
+            End::Inside(state) => {
+                self.charge(state, 1);
+                state
+            }
+            End::Outside(state, h) => {
+                self.change_jumps(state, h);
+                crossed += 1;
+                state
+            }
+        };
+        while self.from[state as usize][0] != NOWHERE {
+            let [before, h] = self.from[state as usize];
+            self.change_jumps(before, h);
+            crossed += 1;
+            state = before;
+        }
+        self.charge(state, -1);
+        crossed
+    }
+
+    fn charge(&mut self, state: u32, times: i32) {
+        if self.sinks[state as usize / 4] {
+            return;
+        }
+        let [u, v] = unit(state % 4);
+        let charge = &mut self.charges[state as usize / 4];
+        *charge = [charge[0] + times * u, charge[1] + times * v];
+    }
+
+    /// Changes the jump of a half-edge, and of its twin, that takes a state's charge over it.
+    fn change_jumps(&mut self, state: u32, half_edge: u32) {
+        let here = (state % 4 + 4 - self.parametrization.quarters_home(half_edge)) % 4;
+        if self.surface.features().is_feature(half_edge) {
+            let same = (self.along(half_edge) + 4 - here).is_multiple_of(4);
+            self.intervals[self.curve_of[half_edge as usize] as usize] += if same { -1 } else { 1 };
+        }
+        let add = |jump: &mut [i32; 2], k: u32| {
+            let [u, v] = unit(k);
+            *jump = [jump[0] + u, jump[1] + v];
+        };
+        add(&mut self.parametrization.jumps[half_edge as usize], here + 2);
+        if let Some(twin) = self.surface.twin(half_edge) {
+            let there = self.across(half_edge, twin, state % 4) + 4 - self.parametrization.quarters_home(twin);
+            add(&mut self.parametrization.jumps[twin as usize], there % 4);
+            self.prices[twin as usize] = self.prices_of(twin);
+        }
+        self.prices[half_edge as usize] = self.prices_of(half_edge);
+    }
+}
