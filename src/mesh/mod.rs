@@ -12,6 +12,7 @@ pub mod join;
 mod metric;
 mod objective;
 mod orientation;
+mod placement;
 mod polygon;
 pub mod quality;
 mod read;

@@ -188,10 +188,10 @@ impl SurfaceMesh {
         context.orientation.is_inverted(&points, corners.iter().map(|&v| self.vertex(v).triangles))
     }
 
-    /// Whether a face is inverted, concave or without area.
-    pub(crate) fn has_faults(&self, context: &Context) -> bool {
-        let is_fault = |face: u32| !self.face(face).is_empty() && self.measure(context, face).is_fault;
-        (0..self.face_bound() as u32).into_par_iter().with_min_len(1024).any(is_fault)
+    /// The faces that are inverted, concave or without area.
+    pub fn faults(&self, context: &Context) -> Vec<u32> {
+        let is_fault = |&face: &u32| !self.face(face).is_empty() && self.measure(context, face).is_fault;
+        (0..self.face_bound() as u32).into_par_iter().with_min_len(1024).filter(is_fault).collect()
     }
 
     /// The arc length of a vertex on a curve, as near as may be to another one: a corner may be both ends of it.

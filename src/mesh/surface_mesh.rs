@@ -5,7 +5,7 @@
 //! from the sampling of the features on, and every later step reads and writes it here. The mesh may be edited: faces keep
 //! their ids while others are replaced, and [`SurfaceMesh::compacted`] is the one place where vertices get new ones.
 
-use super::incidence::{Rows, neighbours_in, sides, undirected};
+use super::incidence::{Rows, neighbours_in, undirected};
 use super::{Mesh, Metric};
 use crate::surface::{NONE, Surface, WALK_EDGES, walk};
 use glam::DVec3;
@@ -136,11 +136,6 @@ impl SurfaceMesh {
         self.around.get(v)
     }
 
-    /// The number of vertices that faces use.
-    pub(crate) fn used_vertices(&self) -> usize {
-        self.around.iter().filter(|faces| !faces.is_empty()).count()
-    }
-
     /// What shapes are measured in.
     pub(crate) fn metric(&self) -> &Metric {
         &self.metric
@@ -263,15 +258,6 @@ impl SurfaceMesh {
         let faces = self.around(v);
         let lengths = faces.iter().map(|&f| self.point(v).distance(self.point(neighbours_in(self.face(f), v)[1])));
         lengths.sum::<f64>() / faces.len().max(1) as f64
-    }
-
-    /// The mean length of all edges.
-    pub(crate) fn mean_edge(&self) -> f64 {
-        let (sum, count) = self
-            .faces()
-            .flat_map(sides)
-            .fold((0.0, 0usize), |(sum, count), [a, b]| (sum + self.point(a).distance(self.point(b)), count + 1));
-        sum / count.max(1) as f64
     }
 }
 

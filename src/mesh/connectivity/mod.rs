@@ -126,7 +126,6 @@ pub(crate) enum Kind {
     RowIn,
     Flip,
     Collapse,
-    Dissolve,
     Split,
     Ring,
 }
@@ -143,7 +142,6 @@ impl EditCounts {
             Kind::RowIn => &mut self.rows_in,
             Kind::Flip => &mut self.flipped,
             Kind::Collapse => &mut self.collapsed,
-            Kind::Dissolve => &mut self.dissolved,
             Kind::Split => &mut self.split,
             Kind::Ring => &mut self.strips_in,
         } += 1;
