@@ -181,11 +181,10 @@ impl SurfaceMesh {
         })
     }
 
-    /// Whether a face points against its sheet.
-    pub(crate) fn is_inverted(&self, context: &Context, face: u32) -> bool {
-        let corners = self.face(face);
-        let points: Vec<DVec3> = corners.iter().map(|&v| self.point(v)).collect();
-        context.orientation.is_inverted(&points, corners.iter().map(|&v| self.vertex(v).triangles))
+    /// Whether a face points against the triangles of the surface that are nearest to it, whatever sheet it is made for.
+    pub(crate) fn points_against_nearest(&self, context: &Context, face: u32) -> bool {
+        let points: Vec<DVec3> = self.face(face).iter().map(|&v| self.point(v)).collect();
+        context.orientation.is_inverted(&points, std::iter::empty())
     }
 
     /// The faces that are inverted, concave or without area.

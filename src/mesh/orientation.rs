@@ -42,9 +42,11 @@ impl<'a> Orientation<'a> {
     /// Whether all sheets that are known at a face's corners agree with its normal, and there is one.
     fn agrees(&self, normal: DVec3, sheets: impl Iterator<Item = [u32; 2]>) -> bool {
         let least = AGREEMENT * normal.length();
-        let mut known = sheets.filter(|sides| sides[0] != NONE).peekable();
-        let suits = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3().dot(normal) > least;
-        known.peek().is_some() && known.all(|[a, b]| suits(a) || suits(b))
+        let of = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3();
+        // Nothing follows from the two sides of a sharp edge that are turned away from each other.
+        let is_known = |[a, b]: &[u32; 2]| *a != NONE && (a == b || of(*a).dot(of(*b)) > 0.0);
+        let mut known = sheets.filter(is_known).peekable();
+        known.peek().is_some() && known.all(|sides| sides.iter().any(|&side| of(side).dot(normal) > least))
     }
 
     /// What the triangles nearest to the middle of a face say of its normal, whatever its length.

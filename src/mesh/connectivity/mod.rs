@@ -20,6 +20,7 @@ pub(crate) mod operations;
 mod patch;
 
 use super::objective::{Context, Measure, Score, chord_loss};
+use super::relocate::match_shapes;
 use super::surface_mesh::SurfaceMesh;
 use crate::surface::Surface;
 use edit::{Change, Edit, NEW};
@@ -158,6 +159,8 @@ const LEAST_DRIFT: i64 = 2;
 const ALL_PRICE: f64 = 3.0;
 /// The cost of a squared difference of a valence, in perfect quads, where all are quads.
 const REGULARITY: f64 = 0.1;
+/// Passes of relocation before poor quads are cut anew.
+const PASSES: usize = 2;
 /// Edits that gain less are not made.
 const LEAST_GAIN: f64 = 1e-3;
 /// The gain of a fault less, in perfect quads.
@@ -182,6 +185,9 @@ pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &Connectivit
         operations::pair_along_strips(&mut engine);
         engine.options.regularity = options.regularity.max(REGULARITY);
     }
+    let (options, excess, counts) = (engine.options, engine.excess, engine.counts);
+    match_shapes(context, mesh, PASSES);
+    let mut engine = Engine { options, excess, counts, ..Engine::new(context, mesh, &options) };
     engine.run(&[operations::RECUT]);
     operations::dissolve(&mut engine);
     engine.finish()
@@ -232,7 +238,7 @@ struct Found {
 struct Judged {
     gain: f64,
     targets: Vec<(u32, glam::DVec3)>,
-    /// The faces that must still be as they were.
+    /// The old faces that must still be as they were.
     core: Vec<u32>,
 }
 
@@ -293,8 +299,8 @@ impl<'a> Engine<'a> {
                 if excess.abs() > self.excess.abs().max(most_excess) && judged.gain < FAULT {
                     continue;
                 }
-                changed.extend(edit.changed().map(|(face, _)| face));
-                again.extend(judged.core.iter().copied().filter(|face| *face < NEW));
+                changed.extend(edit.changed().map(|(face, _)| face).filter(|face| *face < NEW));
+                again.extend(&judged.core);
                 let change = edit.into_change();
                 again.extend(self.make(&change, &judged.targets));
                 self.excess = excess;
@@ -335,7 +341,8 @@ impl<'a> Engine<'a> {
         }
         let relief = if self.options.regularity > 0.0 { self.options.regularity * self.relief(edit) } else { 0.0 };
         let gain = gain(before, after) + relief - self.chord_loss(edit);
-        Some(Judged { gain, targets: relaxed.targets, core: relaxed.core })
+        let core = relaxed.core.into_iter().filter(|face| *face < NEW).collect();
+        Some(Judged { gain, targets: relaxed.targets, core })
     }
 
     /// By how much the loss of chords of feature curves grows.
