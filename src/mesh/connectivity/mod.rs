@@ -47,7 +47,7 @@ pub enum Quads {
 pub struct ConnectivityOptions {
     /// Which triangles are to become quads. Default [`Quads::Most`].
     pub quads: Quads,
-    /// The loss that one triangle less may cost, in perfect quads. Default 1; 0 asks for better shape.
+    /// The loss that one triangle less may cost, in perfect quads. Default 0.8; 0 asks for better shape.
     pub triangle_price: f64,
     /// No quad gets a smaller shape (Qg) than this unless one about it had. Default 0.4; 0 still refuses concave quads.
     pub least_shape: f64,
@@ -66,7 +66,7 @@ impl Default for ConnectivityOptions {
     fn default() -> Self {
         Self {
             quads: Quads::default(),
-            triangle_price: 1.0,
+            triangle_price: 0.8,
             least_shape: 0.4,
             longest_row: 8,
             searched: 10,
