@@ -269,8 +269,8 @@ impl<'a> Edit<'a> {
     }
 
     /// Whether the faces at the touched vertices are still a manifold: one fan round each vertex, of three faces at least where
-    /// it closes inside the surface, no two edges between two vertices, no two faces with the same vertices, and no vertex on
-    /// a feature without a face, except those in `dropped`.
+    /// it closes inside the surface, no two edges between two vertices, no two faces with the same vertices, no boundary
+    /// where there was none, and no vertex on a feature without a face, except those in `dropped`.
     pub(crate) fn is_sound_without(&self, dropped: &[u32]) -> bool {
         let mut spokes: Vec<[u32; 2]> = Vec::new();
         self.touched().into_iter().all(|v| {
@@ -286,7 +286,7 @@ impl<'a> Edit<'a> {
                 let mut next = spokes.iter().filter(|spoke| spoke[1] == at[0]);
                 match (next.next(), next.next()) {
                     (_, Some(_)) => return false,
-                    (None, _) => return count == spokes.len(),
+                    (None, _) => return count == spokes.len() && self.may_be_open(v),
                     (Some(&spoke), None) if spoke == first => {
                         return count == spokes.len() && count > if self.is_free(v) { 2 } else { 1 };
                     }
@@ -302,6 +302,11 @@ impl<'a> Edit<'a> {
             let repeats = (1..corners.len()).any(|k| corners[..k].contains(&corners[k]));
             !repeats && corners.first().is_none_or(|&v| !self.around(v).any(|other| same(&other)))
         })
+    }
+
+    /// Whether a vertex may lie on the boundary after the edit: it did before, or it is new and on a feature.
+    fn may_be_open(&self, v: u32) -> bool {
+        if v >= NEW { !self.is_free(v) } else { Self::new(self.mesh).on_boundary(v) }
     }
 
     /// As [`Self::is_sound_without`], every vertex on a feature kept.
