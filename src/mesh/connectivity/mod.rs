@@ -206,7 +206,7 @@ pub fn untangle(
         return false;
     }
     engine.counts = *counts;
-    engine.run(&[operations::UNTANGLE]);
+    engine.run(&operations::UNTANGLE);
     if options.quads == Quads::All {
         operations::put_rings(&mut engine);
     }
@@ -316,19 +316,17 @@ impl<'a> Engine<'a> {
         }
     }
 
-    /// The edit about a face that gains most, if any does.
+    /// The edit about a face that gains most, of the first operation that has one.
     fn best(&self, operations: &[Operation], face: u32) -> Option<Found> {
         let concerned = operations.iter().filter(|operation| (operation.concerns)(self, face));
-        let mut best: Option<Found> = None;
-        for operation in concerned {
-            for (kind, edit) in (operation.propose)(self, face) {
-                let Some(judged) = self.judge(&edit).filter(|judged| judged.gain > LEAST_GAIN) else { continue };
-                if best.as_ref().is_none_or(|best| judged.gain > best.judged.gain) {
-                    best = Some(Found { face, kind, change: edit.into_change(), judged });
-                }
-            }
-        }
-        best
+        concerned.map(|operation| (operation.propose)(self, face)).find_map(|edits| {
+            edits
+                .into_iter()
+                .filter_map(|(kind, edit)| Some((self.judge(&edit)?, kind, edit)))
+                .filter(|(judged, ..)| judged.gain > LEAST_GAIN)
+                .reduce(|best, other| if other.0.gain > best.0.gain { other } else { best })
+                .map(|(judged, kind, edit)| Found { face, kind, change: edit.into_change(), judged })
+        })
     }
 
     /// What an edit is worth once the vertices about it have relaxed; `None` where it adds a fault or a quad of too small a shape.
