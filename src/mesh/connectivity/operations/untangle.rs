@@ -83,14 +83,16 @@ fn shrunk<'e>(edit: &Edit<'e>, a: u32, b: u32) -> Vec<Edit<'e>> {
         .filter(may_go)
         .filter_map(|[stays, goes]| {
             let next = feature_neighbours(edit, goes, curve).into_iter().find(|&w| w != stays)?;
-            // A closed curve of three edges cannot be shorter.
-            if edit.curve([stays, next]).is_some() {
+            // Where a feature joins the two already, the triangle between must go: two curves lie on each other there.
+            let other = edit.curve([stays, next]);
+            let is_between = |face: u32| [stays, next].iter().all(|v| edit.face(face).contains(v));
+            if other.is_some() && !edit.around(goes).any(|face| edit.face(face).len() == 3 && is_between(face)) {
                 return None;
             }
             let mut result = edit.clone();
             result.set_feature([goes, stays], None);
             result.set_feature([goes, next], None);
-            result.set_feature([stays, next], Some(curve));
+            result.set_feature([stays, next], other.or(Some(curve)));
             result.absorb(stays, goes)?;
             Some(result)
         })
