@@ -68,8 +68,8 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
         mosaic.feature_samples.iter().map(|site| mosaic.tiles[site.first_side as usize]).collect();
     tiles.extend_from_slice(mosaic.free());
     tiles.extend(left.iter().map(|&v| {
-        let corner = work.home_corner[v as usize];
-        Tile::free(surface, field, corner / 3, surface.points[v as usize], mosaic.scale)
+        let point = work.points[v as usize].as_vec3();
+        Tile::free(surface, field, work.triangles[v as usize], point, mosaic.scale)
     }));
     let sides = tiles.iter().map(|tile| if mosaic.metric.is_some() { 1.0 } else { f64::from(tile.h) }).collect();
     let faces = work.faces.compacted(&order);
@@ -191,8 +191,8 @@ struct Work<'a> {
     /// The triangle of the surface that each face lies in, while no edge of the surface has been flipped.
     home: Vec<u32>,
     points: Vec<DVec3>,
-    /// A corner of the surface at each of its vertices.
-    home_corner: Vec<u32>,
+    /// A triangle of the surface at each vertex.
+    triangles: Vec<u32>,
 }
 
 impl<'a> Work<'a> {
@@ -233,7 +233,7 @@ impl<'a> Work<'a> {
             chart,
             home: (0..surface.triangle_count() as u32).collect(),
             points: surface.points.iter().map(|p| p.as_dvec3()).collect(),
-            home_corner: faces.leaving.clone(),
+            triangles: faces.leaving.iter().map(|&corner| corner / 3).collect(),
             faces,
         }
     }
@@ -259,6 +259,7 @@ impl<'a> Work<'a> {
             self.faces.end[closing] = directions[2] + turns[2];
             self.home.extend([triangle; 2]);
             self.points.push(spot.position);
+            self.triangles.push(triangle);
             vertex
         };
         chart.cones.iter().map(place).collect()
@@ -293,6 +294,7 @@ impl<'a> Work<'a> {
                     self.home.push(self.home[twin as usize / 3]);
                 }
                 self.points.push(a + (b - a) * share);
+                self.triangles.push(run[0].0 / 3);
                 h = self.faces.leaving[vertices[i] as usize];
                 passed = share;
             }
@@ -355,6 +357,7 @@ impl<'a> Work<'a> {
             let ways = ways.map(|w| [w.dot(x), w.dot(y)]);
             let vertex = self.faces.split_face(face, ways.map(|[u, v]| u.hypot(v)), ways.map(|[u, v]| v.atan2(u)));
             self.points.push(point);
+            self.triangles.push(triangle);
             vertices[i as usize] = vertex;
             self.home.extend([triangle; 2]);
             let new = self.faces.leaving[vertex as usize];

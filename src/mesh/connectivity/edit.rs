@@ -4,7 +4,8 @@
 //! elsewhere.
 
 use crate::mesh::incidence::{neighbours_in, sides, undirected};
-use crate::mesh::surface_mesh::{SurfaceMesh, Vertex, walked};
+use crate::mesh::objective::{Context, Measure};
+use crate::mesh::surface_mesh::{Position, SurfaceMesh, Vertex, walked};
 use crate::surface::Surface;
 use glam::DVec3;
 
@@ -25,6 +26,8 @@ pub(crate) struct Change {
     vertices: Vec<(Vertex, u32)>,
     /// Points towards which it moves vertices.
     moved: Vec<(u32, DVec3)>,
+    /// The triangles of the surface about vertices that it has put on it.
+    sheets: Vec<(u32, [u32; 2])>,
     /// Edges whose curve it changes.
     features: Vec<([u32; 2], Option<u32>)>,
 }
@@ -104,6 +107,31 @@ impl<'a> Edit<'a> {
             Some(moved) => moved.1 = point,
             None => self.change.moved.push((v, point)),
         }
+    }
+
+    /// Puts a vertex at a position on the surface.
+    pub(crate) fn set_position(&mut self, v: u32, position: &Position) {
+        self.set_point(v, position.point);
+        match self.change.sheets.iter_mut().find(|sheets| sheets.0 == v) {
+            Some(sheets) => sheets.1 = position.triangles,
+            None => self.change.sheets.push((v, position.triangles)),
+        }
+    }
+
+    /// The triangles of the surface on the two sides of a vertex.
+    pub(crate) fn sheets(&self, v: u32) -> [u32; 2] {
+        let moved = self.change.sheets.iter().find(|sheets| sheets.0 == v);
+        moved.map_or_else(|| self.vertex(v).triangles, |moved| moved.1)
+    }
+
+    /// The measure of a face where its vertices are.
+    pub(crate) fn measure(&self, context: &Context, face: u32) -> Measure {
+        let corners = self.face(face);
+        let points: Vec<DVec3> = corners.iter().map(|&v| self.point(v)).collect();
+        let originals: Vec<u32> = corners.iter().map(|&v| self.original(v)).collect();
+        let frame = self.mesh.metric().frame(&originals);
+        let sheets = corners.iter().map(|&v| self.sheets(v));
+        Measure::of(&points, frame.as_ref(), None, || context.orientation.is_inverted(&points, sheets))
     }
 
     pub(crate) fn set_feature(&mut self, edge: [u32; 2], curve: Option<u32>) {

@@ -21,7 +21,7 @@ mod patch;
 
 use super::objective::{Context, Measure, Score, chord_loss};
 use super::relocate::match_shapes;
-use super::surface_mesh::SurfaceMesh;
+use super::surface_mesh::{SurfaceMesh, walked};
 use crate::surface::Surface;
 use edit::{Change, Edit, NEW};
 use operations::Operation;
@@ -194,7 +194,7 @@ pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &Connectivit
 }
 
 /// Mends faults: faces that are inverted, concave or without area. The vertices about the edits, which `counts` gets, have
-/// relaxed. False where there is nothing to mend or nothing helps.
+/// relaxed. Whether there are fewer faults than before.
 pub fn untangle(
     context: &Context,
     mesh: &mut SurfaceMesh,
@@ -202,16 +202,18 @@ pub fn untangle(
     counts: &mut EditCounts,
 ) -> bool {
     let mut engine = Engine::new(context, mesh, options);
-    if !engine.measures.iter().any(|measure| measure.is_fault) {
+    if engine.faults() == 0 {
         return false;
     }
     engine.counts = *counts;
+    let before = engine.faults();
     engine.run(&operations::UNTANGLE);
     if options.quads == Quads::All {
         operations::put_rings(&mut engine);
     }
-    let before = std::mem::replace(counts, engine.finish());
-    before != *counts
+    let is_better = engine.faults() < before;
+    *counts = engine.finish();
+    is_better
 }
 
 /// A mesh under work.
@@ -262,6 +264,10 @@ impl<'a> Engine<'a> {
         self.mesh.faces().filter(|face| face.len() == 3).count()
     }
 
+    fn faults(&self) -> usize {
+        self.measures.iter().filter(|measure| measure.is_fault).count()
+    }
+
     fn is_triangle(&self, face: u32) -> bool {
         self.mesh.face(face).len() == 3
     }
@@ -295,7 +301,7 @@ impl<'a> Engine<'a> {
                 let excess = self.excess + edit.growth();
                 // An earlier change may have moved what lies about this one.
                 let judged = self.judge(&edit).filter(|judged| judged.gain > LEAST_GAIN);
-                let Some(judged) = judged else { continue };
+                let Some(judged) = judged.filter(|judged| self.holds(&edit, judged)) else { continue };
                 if excess.abs() > self.excess.abs().max(most_excess) && judged.gain < FAULT {
                     continue;
                 }
@@ -341,6 +347,25 @@ impl<'a> Engine<'a> {
         let gain = gain(before, after) + relief - self.chord_loss(edit);
         let core = relaxed.core.into_iter().filter(|face| *face < NEW).collect();
         Some(Judged { gain, targets: relaxed.targets, core })
+    }
+
+    /// Whether an edit makes no more faults than judged once its vertices have walked to their places: on crowded triangles and
+    /// beside features a walk may end elsewhere than in the tangent plane.
+    fn holds(&self, edit: &Edit, judged: &Judged) -> bool {
+        let mut walked_to = edit.clone();
+        for &(v, target) in &judged.targets {
+            let vertex = edit.vertex(v);
+            let position = walked(self.surface(), vertex.triangles[0], vertex.point, target);
+            walked_to.set_position(v, &position);
+        }
+        let vertices = edit.touched().into_iter().chain(judged.targets.iter().map(|&(v, _)| v));
+        let mut faces: Vec<u32> = vertices.flat_map(|v| edit.around(v).collect::<Vec<_>>()).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        let changed: Vec<u32> = edit.changed().map(|(face, _)| face).collect();
+        let old = faces.iter().chain(changed.iter().filter(|face| edit.face(**face).is_empty()));
+        let before = old.filter(|&&face| face < NEW && self.is_fault(face)).count();
+        faces.iter().filter(|&&face| walked_to.measure(self.context, face).is_fault).take(before + 1).count() <= before
     }
 
     /// By how much the loss of chords of feature curves grows.

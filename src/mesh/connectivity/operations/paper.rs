@@ -22,7 +22,7 @@ use super::super::edit::Edit;
 use super::super::{Engine, Kind};
 use crate::mesh::incidence::{sides, undirected};
 use crate::mesh::metric::laid;
-use crate::mesh::objective::{Measure, shape};
+use crate::mesh::objective::shape;
 use crate::mesh::orientation;
 use crate::mesh::polygon;
 use glam::DVec3;
@@ -130,16 +130,13 @@ fn removal<'e>(engine: &'e Engine, v: u32) -> Vec<(Kind, Edit<'e>)> {
 fn worth_gained(engine: &Engine, edit: &Edit) -> Option<f64> {
     let old: Vec<&[u32]> = edit.changed().map(|(face, _)| edit.before(face)).collect();
     let new: Vec<&[u32]> = edit.changed().map(|(_, corners)| corners).filter(|corners| !corners.is_empty()).collect();
-    let may_be = |corners: &&[u32]| {
-        let points: Vec<DVec3> = corners.iter().map(|&v| edit.point(v)).collect();
-        let sheets = corners.iter().map(|&v| edit.vertex(v).triangles);
-        let frame = engine.mesh.metric().frame(corners);
-        let measure =
-            Measure::of(&points, frame.as_ref(), None, || engine.context.orientation.is_inverted(&points, sheets));
-        !measure.is_fault && (corners.len() == 3 || measure.shape >= LEAST_SHAPE)
+    let may_be = |face: u32| {
+        let measure = edit.measure(engine.context, face);
+        !measure.is_fault && (edit.face(face).len() == 3 || measure.shape >= LEAST_SHAPE)
     };
+    let mut come = edit.changed().filter(|(_, corners)| !corners.is_empty()).map(|(face, _)| face);
     let gain = worth(engine, edit, &new) - worth(engine, edit, &old);
-    (gain > LEAST_GAIN && edit.is_sound() && new.iter().all(may_be)).then_some(gain)
+    (gain > LEAST_GAIN && edit.is_sound() && come.all(may_be)).then_some(gain)
 }
 
 /// What some faces and the edges between them are worth; the edges of their outline are the same before and after.

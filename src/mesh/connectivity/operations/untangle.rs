@@ -26,9 +26,18 @@ pub(super) fn twice<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> 
     for (kind, edit) in recuts_and_collapses(&Edit::new(engine.mesh), face) {
         let faces: Vec<u32> = edit.changed().filter(|(_, corners)| !corners.is_empty()).map(|(face, _)| face).collect();
         let again = faces.into_iter().flat_map(|face| recuts_and_collapses(&edit, face));
+        let again = again.filter(|edit| has_fewer_faults(engine, &edit.1));
         edits.extend(again.map(|(_, edit)| (kind, edit)).filter(|(_, edit)| may_be(engine, edit)));
     }
     edits
+}
+
+/// Whether fewer of the changed faces are faults than before, where the vertices are: most edits in two steps are told by that.
+fn has_fewer_faults(engine: &Engine, edit: &Edit) -> bool {
+    let old = edit.changed().filter(|(face, _)| !edit.before(*face).is_empty());
+    let before = old.filter(|(face, _)| engine.is_fault(*face)).count();
+    let new = edit.changed().filter(|(_, corners)| !corners.is_empty());
+    new.filter(|(face, _)| edit.measure(engine.context, *face).is_fault).take(before).count() < before
 }
 
 /// Where all faces are to be quads no triangle may come.
