@@ -2,9 +2,9 @@
 //!
 //! # Theory
 //! A face is inverted where its normal points against the sheet that it lies on: the triangle of the surface nearest to its
-//! middle. Beside a sharp edge several triangles are equally near; those perpendicular to the face are walls beside it and
-//! have no vote, and one that agrees is enough. Where the sheets at the corners are known and all agree, as nearly everywhere,
-//! no triangle is searched for.
+//! middle. Beside a sharp edge several triangles are equally near, and the sum of their normals decides (the pseudonormal of
+//! Baerentzen and Aanaes 2005), so that a wall perpendicular to the face has no vote, and sheets that lie on each other have
+//! none. Where the sheets at the corners are known and all agree, as nearly everywhere, no triangle is searched for.
 
 use crate::surface::nearest::{EQUALLY_NEAR, Triangles, squared_distance};
 use crate::surface::{NONE, Surface};
@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 
 /// The cosine of the largest angle between a face and the sheets at its corners that needs no search: 60 degrees.
 const AGREEMENT: f64 = 0.5;
-/// The cosine below which a triangle counts as perpendicular to a face: 3 degrees off.
+/// The cosine below which triangles count as perpendicular to a face: 3 degrees off.
 const PERPENDICULAR: f64 = 0.05;
 
 /// A surface whose triangles are sorted into a tree once a search is needed.
@@ -55,8 +55,7 @@ impl<'a> Orientation<'a> {
         Vote { distance, is_against: self.is_against(normal, middle, distance) }
     }
 
-    /// Whether a face points against all triangles that are no farther from its middle than the nearest; one is known to be
-    /// no farther than a distance.
+    /// Whether a face points against the triangles nearest to its middle; one is known to be no farther than a distance.
     pub(crate) fn is_against(&self, normal: DVec3, middle: DVec3, distance: f64) -> bool {
         let unit = normal.normalize_or_zero();
         let found: Vec<u32> = self.triangles().within(middle, distance + EQUALLY_NEAR).collect();
@@ -71,11 +70,7 @@ impl<'a> Orientation<'a> {
         let all: Vec<(f64, f64)> = found.into_iter().map(|triangle| (off(triangle), cosine(triangle))).collect();
         let least = all.iter().map(|(off, _)| *off).fold(f64::INFINITY, f64::min);
         let near = all.iter().filter(|(off, _)| *off <= least + EQUALLY_NEAR).map(|(_, cosine)| *cosine);
-        let mut votes = near.clone().filter(|cosine| cosine.abs() >= PERPENDICULAR).peekable();
-        match votes.peek() {
-            Some(_) => votes.all(|vote| vote < 0.0),
-            None => near.fold(f64::INFINITY, f64::min) < 0.0,
-        }
+        near.sum::<f64>() < -PERPENDICULAR
     }
 }
 
