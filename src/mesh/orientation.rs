@@ -53,6 +53,10 @@ impl<'a> Orientation<'a> {
         let cosine = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3().dot(unit);
         let triangles = self.triangles();
         let (nearest, distance) = triangles.nearest(middle);
+        if nearest == NONE {
+            // The face is nowhere.
+            return Vote { distance, is_against: false };
+        }
         let first = cosine(nearest);
         let is_against = first < PERPENDICULAR && {
             let all = triangles.within(middle, distance + EQUALLY_NEAR).map(cosine);
