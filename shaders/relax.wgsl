@@ -253,7 +253,7 @@ fn relax(
         moved[id] = tile;
         return;
     }
-    var pull = vec3<f32>(0.0);
+    var force = vec3<f32>(0.0);
     var weight = 0.0;
     for (var slot = 0u; slot < LIST_LENGTH; slot++) {
         let other = lists[slot * grid.count + id];
@@ -266,10 +266,10 @@ fn relax(
         }
         let k = place(sight.u, id < other);
         let w = select(1.0, DIAGONAL, k.x != 0.0 && k.y != 0.0);
-        pull += (sight.x * (sight.u.x - k.x) + sight.y * (sight.u.y - k.y)) * (w * sight.h);
+        force += (sight.x * (sight.u.x - k.x) + sight.y * (sight.u.y - k.y)) * (w * sight.h);
         weight += w;
     }
-    let step = pull * (STEP / max(weight, 2.0));
+    let step = force * (STEP / max(weight, 2.0));
     let foot = walk(tile.triangle, tile.position, step - tile.normal * dot3(tile.normal, step));
     let a = corner(foot.triangle, 0u);
     var result = tile;

@@ -3,7 +3,7 @@
 use super::{Complex, NEGLIGIBLE, conjugate, modulus};
 use bytemuck::{Pod, Zeroable};
 
-/// The bit of a link's unknown that says that its value is taken conjugate before it is multiplied.
+/// The bit of a link's unknown for a value that is taken conjugate before it is multiplied.
 pub const MIRRORED: u32 = 1 << 31;
 
 /// A mass term draws a value to itself, and one that is shorter than this to this length. Halfway between two constraints 30

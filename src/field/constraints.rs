@@ -6,7 +6,7 @@ use crate::surface::{Surface, next, previous};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// The least sine of the angle between a direction and the normal: below, the direction along the surface says nothing.
+/// The least sine of the angle between a direction and the normal: below, the direction along the surface is undefined.
 const LEAST_SINE: f64 = 0.1;
 
 /// What an unknown is constrained to.

@@ -24,7 +24,7 @@ const TOLERANCE: f64 = 0.02;
 /// The most places along a part of a stroke that are examined.
 const MOST_PLACES: f64 = 10_000.0;
 
-/// The user's wish for the field (the paper's control vectors, section 1): a direction near a point or along a stroke.
+/// A user's constraint of the field (the paper's control vectors, section 1): a direction near a point or along a stroke.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Guide {
     /// What reports call it.
@@ -33,7 +33,7 @@ pub struct Guide {
     pub trace: Trace,
     /// How far from its trace it reaches over the surface, in model units; 0: the nearest triangles' corners. Default 0.
     pub radius: f64,
-    /// How strongly it pulls: 1 about as much as the surroundings, 10 nearly all the way. `None`, the default: the field
+    /// Its weight: 1 about that of the surroundings, 10 nearly exact. `None`, the default: the field
     /// follows it exactly.
     pub weight: Option<f64>,
 }
@@ -87,7 +87,7 @@ impl Guide {
 pub struct GuideReport {
     /// Its name.
     pub name: String,
-    /// How many crosses of the field it fixes or pulls at.
+    /// How many crosses of the field it constrains.
     pub crosses: usize,
     /// Why it has no effect, or not all that was asked for.
     pub trouble: Option<GuideTrouble>,

@@ -62,7 +62,7 @@ pub enum StretchError {
         /// What was asked for.
         asked: f64,
     },
-    /// Nothing says which side is the longer one.
+    /// No guide chooses the longer side.
     #[error(
         "rectangular tiles need a guide: nothing says which way their longer side is to lie; give a direction at a point, or a \
          stroke, on the surface and off its features"

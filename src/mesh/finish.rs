@@ -44,7 +44,7 @@ pub fn finish(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic, triangulat
         .collect::<Vec<(u32, &u32)>>()
         .into_par_iter()
         .with_min_len(1024)
-        .filter(|&(_, &face)| mesh.is_inverted(context, face))
+        .filter(|&(_, &face)| mesh.points_against_nearest(context, face))
         .map(|(face, _)| face)
         .collect();
     let mut differences = differences_of(&joined, surface);

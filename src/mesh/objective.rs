@@ -8,7 +8,7 @@
 use super::metric::{Frame, laid};
 use super::orientation::{self, Orientation};
 use super::quality::{quad_shape, triangle_shape};
-use super::surface_mesh::{Place, SurfaceMesh};
+use super::surface_mesh::{Place, SurfaceMesh, walked};
 use crate::surface::{Curve, Surface, shared_curves};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -181,11 +181,17 @@ impl SurfaceMesh {
         })
     }
 
-    /// Whether a face points against its sheet.
-    pub(crate) fn is_inverted(&self, context: &Context, face: u32) -> bool {
+    /// Whether a face points against the triangles of the surface that are nearest to it, whatever sheet it is made for.
+    pub(crate) fn points_against_nearest(&self, context: &Context, face: u32) -> bool {
         let corners = self.face(face);
         let points: Vec<DVec3> = corners.iter().map(|&v| self.point(v)).collect();
-        context.orientation.is_inverted(&points, corners.iter().map(|&v| self.vertex(v).triangles))
+        let (normal, middle) = (orientation::normal(&points), orientation::middle(&points));
+        // The place below the middle on the face's own sheet tells how far there is to look.
+        let Some(&v) = corners.iter().find(|&&v| self.vertex(v).is_free()) else {
+            return context.orientation.vote(normal, middle).is_against;
+        };
+        let below = walked(context.surface, self.vertex(v).triangles[0], self.point(v), middle);
+        context.orientation.is_against(normal, middle, below.point.distance(middle))
     }
 
     /// The faces that are inverted, concave or without area.

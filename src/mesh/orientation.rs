@@ -6,7 +6,7 @@
 //! have no vote, and one that agrees is enough. Where the sheets at the corners are known and all agree, as nearly everywhere,
 //! no triangle is searched for.
 
-use crate::surface::nearest::{EQUALLY_NEAR, Triangles};
+use crate::surface::nearest::{EQUALLY_NEAR, Triangles, squared_distance};
 use crate::surface::{NONE, Surface};
 use glam::DVec3;
 use std::sync::OnceLock;
@@ -42,28 +42,40 @@ impl<'a> Orientation<'a> {
     /// Whether all sheets that are known at a face's corners agree with its normal, and there is one.
     fn agrees(&self, normal: DVec3, sheets: impl Iterator<Item = [u32; 2]>) -> bool {
         let least = AGREEMENT * normal.length();
-        let mut known = sheets.filter(|sides| sides[0] != NONE).peekable();
-        let suits = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3().dot(normal) > least;
-        known.peek().is_some() && known.all(|[a, b]| suits(a) || suits(b))
+        let of = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3();
+        // Nothing follows from the two sides of a sharp edge that are turned away from each other.
+        let is_known = |[a, b]: &[u32; 2]| *a != NONE && (a == b || of(*a).dot(of(*b)) > 0.0);
+        let mut known = sheets.filter(is_known).peekable();
+        known.peek().is_some() && known.all(|sides| sides.iter().any(|&side| of(side).dot(normal) > least))
     }
 
     /// What the triangles nearest to the middle of a face say of its normal, whatever its length.
     pub(crate) fn vote(&self, normal: DVec3, middle: DVec3) -> Vote {
+        let distance = self.triangles().nearest(middle).1;
+        Vote { distance, is_against: self.is_against(normal, middle, distance) }
+    }
+
+    /// Whether a face points against all triangles that are no farther from its middle than the nearest; one is known to be
+    /// no farther than a distance.
+    pub(crate) fn is_against(&self, normal: DVec3, middle: DVec3, distance: f64) -> bool {
         let unit = normal.normalize_or_zero();
+        let found: Vec<u32> = self.triangles().within(middle, distance + EQUALLY_NEAR).collect();
         let cosine = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3().dot(unit);
-        let triangles = self.triangles();
-        let (nearest, distance) = triangles.nearest(middle);
-        if nearest == NONE {
-            // The face is nowhere.
-            return Vote { distance, is_against: false };
+        if found.iter().all(|&triangle| cosine(triangle) >= PERPENDICULAR) {
+            return false;
         }
-        let first = cosine(nearest);
-        let is_against = first < PERPENDICULAR && {
-            let all = triangles.within(middle, distance + EQUALLY_NEAR).map(cosine);
-            let mut votes = all.filter(|cosine| cosine.abs() >= PERPENDICULAR);
-            votes.next().map_or(first < 0.0, |vote| vote < 0.0 && votes.all(|vote| vote < 0.0))
+        let off = |triangle: u32| {
+            let corners = self.surface.corners(triangle as usize).map(|corner| corner.as_dvec3());
+            squared_distance(middle, corners).sqrt()
         };
-        Vote { distance, is_against }
+        let all: Vec<(f64, f64)> = found.into_iter().map(|triangle| (off(triangle), cosine(triangle))).collect();
+        let least = all.iter().map(|(off, _)| *off).fold(f64::INFINITY, f64::min);
+        let near = all.iter().filter(|(off, _)| *off <= least + EQUALLY_NEAR).map(|(_, cosine)| *cosine);
+        let mut votes = near.clone().filter(|cosine| cosine.abs() >= PERPENDICULAR).peekable();
+        match votes.peek() {
+            Some(_) => votes.all(|vote| vote < 0.0),
+            None => near.fold(f64::INFINITY, f64::min) < 0.0,
+        }
     }
 }
 
@@ -82,7 +94,7 @@ pub(crate) fn normal(corners: &[DVec3]) -> DVec3 {
 }
 
 /// The mean of the corners of a polygon.
-fn middle(corners: &[DVec3]) -> DVec3 {
+pub(crate) fn middle(corners: &[DVec3]) -> DVec3 {
     corners.iter().sum::<DVec3>() / corners.len().max(1) as f64
 }
 

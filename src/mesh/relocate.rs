@@ -49,10 +49,7 @@ pub fn relocate(context: &Context, mesh: &mut SurfaceMesh, passes: usize) {
     if passes == 0 {
         return;
     }
-    let mut sweeps = Sweeps::new(context, mesh);
-    for _ in 0..passes {
-        sweeps.sweep(mesh, Step::Match);
-    }
+    let mut sweeps = match_shapes(context, mesh, passes);
     for _ in 0..ROUNDS {
         sweeps.sweep(mesh, Step::Search(IMPERFECT));
     }
@@ -61,6 +58,15 @@ pub fn relocate(context: &Context, mesh: &mut SurfaceMesh, passes: usize) {
             break;
         }
     }
+}
+
+/// Moves the vertices in `passes` of shape matching alone.
+pub(crate) fn match_shapes<'a>(context: &'a Context<'a>, mesh: &mut SurfaceMesh, passes: usize) -> Sweeps<'a> {
+    let mut sweeps = Sweeps::new(context, mesh);
+    for _ in 0..passes {
+        sweeps.sweep(mesh, Step::Match);
+    }
+    sweeps
 }
 
 /// How a vertex looks for its place.
@@ -73,7 +79,7 @@ enum Step {
 }
 
 /// The state of a relocation.
-struct Sweeps<'a> {
+pub(crate) struct Sweeps<'a> {
     context: &'a Context<'a>,
     /// Of each face; none where tiles are squares.
     frames: Vec<Frame>,

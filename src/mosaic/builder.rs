@@ -67,7 +67,7 @@ pub struct MosaicBuilder<'a> {
     pub effort: Effort,
     /// Whether rows may end.
     pub rows: Rows,
-    /// Is told how far the work is, from 0 to 1; it begins anew where a mosaic is laid again for its count.
+    /// Receives the progress, from 0 to 1; it begins anew where a mosaic is laid again for its count.
     pub progress: &'a dyn Fn(f32),
 }
 

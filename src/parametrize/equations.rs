@@ -1,7 +1,7 @@
 //! The linear problems of the parametrization: the phases, and the offsets of the coordinates.
 
-use super::{Cone, Parametrization, Transition, Unknowns, along};
-use crate::compute::{Complex, ComputeError, Link, MIRRORED};
+use super::{Cone, Parametrization, Transition, Unknown, Unknowns, along};
+use crate::compute::{Complex, ComputeError, Link, add, conjugate};
 use crate::field::Sectors;
 use crate::solver::{Hierarchy, Problem, Terms};
 use crate::surface::{Surface, next, previous};
@@ -26,7 +26,7 @@ pub struct Graph<'a> {
     pub stiffness: &'a [f64],
 }
 
-/// The equations of the parametrization.
+/// The equations of the phases.
 ///
 /// # Errors
 /// Where the initial solution fails.
@@ -46,9 +46,9 @@ pub fn offsets(surface: &Surface, parametrization: &Parametrization, cones: &[Co
     let graph = parametrization.graph(surface);
     let Graph { sectors, unknowns, .. } = graph;
     let mut right_hand_side = vec![[0.0, 0.0]; parametrization.fixed.len()];
-    let mut add = |unknown: u32, by: f64| {
-        let sum: &mut Complex = &mut right_hand_side[(unknown & !MIRRORED) as usize];
-        sum[1] += (if unknown & MIRRORED != 0 { -by } else { by }) as f32;
+    let mut add_to = |unknown: Unknown, value: f64| {
+        let sum: &mut Complex = &mut right_hand_side[unknown.index()];
+        sum[1] += unknown.signed(value) as f32;
     };
     for h in 0..parametrization.transitions.len() as u32 {
         let transition = parametrization.transitions[h as usize];
@@ -56,8 +56,8 @@ pub fn offsets(surface: &Surface, parametrization: &Parametrization, cones: &[Co
         let [from, to] = [h, next(h)].map(|corner| sectors.of_corner[corner as usize] as usize);
         for k in 0..2 {
             let off = graph.weight(h) * (step[k as usize] - transition.wanted[k as usize]);
-            add(along(unknowns[from], k), off);
-            add(along(unknowns[to], k + transition.quarters), -off);
+            add_to(along(unknowns[from], k), off);
+            add_to(along(unknowns[to], k + transition.quarters), -off);
         }
     }
     let mut held = vec![0.0; parametrization.fixed.len()];
@@ -66,8 +66,8 @@ pub fn offsets(surface: &Surface, parametrization: &Parametrization, cones: &[Co
         for (k, offset) in (0..3).zip(parametrization.cone_offsets(cone)) {
             let sector = sectors.of_corner[(3 * cone.triangle + k) as usize] as usize;
             for (unknown, off) in unknowns[sector].into_iter().zip(offset) {
-                add(unknown, weight * off);
-                held[(unknown & !MIRRORED) as usize] += weight as f32;
+                add_to(unknown, weight * off);
+                held[unknown.index()] += weight as f32;
             }
         }
     }
@@ -97,20 +97,20 @@ pub fn unknowns(
         let own = fixed.len() as u32;
         if is_corner || sectors.quarters[sector] == 0 {
             fixed.extend([is_corner; 2]);
-            return [own, own + 1];
+            return [own, own + 1].map(Unknown);
         }
         let toward = surface.same_place(surface.target(first));
-        let is_trimmed = released_vertices.contains(&vertex);
-        if !is_trimmed {
+        let is_released = released_vertices.contains(&vertex);
+        if !is_released {
             fixed.push(true);
         }
         let [along, end] = *shared.entry(surface.same_place(vertex)).or_insert_with(|| {
             let along = fixed.len() as u32;
-            fixed.extend(if is_trimmed { &[false; 2][..] } else { &[false] });
+            fixed.extend(if is_released { &[false; 2][..] } else { &[false] });
             [along, toward]
         });
-        let mirrored = if end == toward { 0 } else { MIRRORED };
-        [along | mirrored, if is_trimmed { (along + 1) | mirrored } else { own }]
+        let read = |unknown: u32| if end == toward { Unknown(unknown) } else { Unknown(unknown).mirrored() };
+        [read(along), if is_released { read(along + 1) } else { Unknown(own) }]
     });
     (unknowns.collect(), fixed)
 }
@@ -118,17 +118,17 @@ pub fn unknowns(
 /// The sectors that read each unknown, with the quarter turns from their axes, one after the other, and where those of each
 /// unknown start.
 fn readers(unknowns: &[Unknowns], count: usize) -> (Vec<u32>, Vec<[u32; 2]>) {
-    let all = || (0..).zip(unknowns).flat_map(|(s, pair)| [0, 1].map(|k| [pair[k as usize], s, k]));
+    let all = || (0..).zip(unknowns).flat_map(|(s, pair)| [0, 1].map(|k| (pair[k as usize], [s, k])));
     let mut starts = vec![0u32; count + 1];
-    all().for_each(|[unknown, ..]| starts[(unknown & !MIRRORED) as usize + 1] += 1);
+    all().for_each(|(unknown, _)| starts[unknown.index() + 1] += 1);
     for i in 0..count {
         starts[i + 1] += starts[i];
     }
     let mut place = starts.clone();
     let mut readers = vec![[0; 2]; 2 * unknowns.len()];
-    for [unknown, sector, k] in all() {
-        let place = &mut place[(unknown & !MIRRORED) as usize];
-        readers[*place as usize] = [sector, k];
+    for (unknown, reader) in all() {
+        let place = &mut place[unknown.index()];
+        readers[*place as usize] = reader;
         *place += 1;
     }
     (starts, readers)
@@ -150,36 +150,38 @@ impl Graph<'_> {
         let &Self { surface, sectors, transitions, unknowns, fixed, .. } = self;
 
         let (reader_starts, readers) = readers(unknowns, fixed.len());
-        // What direction `k` of the sector that a half-edge leaves is linked to at its end: the far value, taken back.
+        // From direction `k` of the sector where a half-edge begins to the unknown at its end.
         let link = |h: u32, k: u32, end: Unknowns| {
             let transition = transitions[h as usize];
             let (s, c) = turn(&transition, k as usize);
             let w = self.weight(h);
-            Link { neighbour: along(end, k + transition.quarters), weight: [(w * c) as f32, (-w * s) as f32] }
+            Link { neighbour: along(end, k + transition.quarters).0, weight: [(w * c) as f32, (-w * s) as f32] }
         };
         let sector_of = |corner: u32| sectors.of_corner[corner as usize] as usize;
         Problem::new(right_hand_side, |i, links| {
             let own = links.len();
-            let mut add = |unknown: u32, link: Link| {
-                // As the unknown itself, not as the sector that reads it.
-                let mirror = unknown & MIRRORED;
-                let weight = if mirror == 0 { link.weight } else { [link.weight[0], -link.weight[1]] };
-                let link = Link { neighbour: link.neighbour ^ mirror, weight };
+            let mut push = |unknown: Unknown, link: Link| {
+                // Read as the unknown itself, not as the sector reads it.
+                let link = if unknown.is_mirrored() {
+                    Link { neighbour: Unknown(link.neighbour).mirrored().0, weight: conjugate(link.weight) }
+                } else {
+                    link
+                };
                 if link.index() == i {
                     return;
                 }
                 match links[own..].iter_mut().find(|known| known.neighbour == link.neighbour) {
-                    Some(known) => known.weight = [known.weight[0] + link.weight[0], known.weight[1] + link.weight[1]],
+                    Some(known) => known.weight = add(known.weight, link.weight),
                     None => links.push(link),
                 }
             };
             for &[sector, k] in &readers[reader_starts[i] as usize..reader_starts[i + 1] as usize] {
                 let unknown = unknowns[sector as usize][k as usize];
                 for corner in sectors.corners(surface, sector) {
-                    add(unknown, link(corner, k, unknowns[sector_of(next(corner))]));
+                    push(unknown, link(corner, k, unknowns[sector_of(next(corner))]));
                     let entering = previous(corner);
                     let j = (k + transitions[entering as usize].quarters) % 2;
-                    add(unknown, link(entering, j, [0; 2]).back(unknowns[sector_of(entering)][j as usize]));
+                    push(unknown, link(entering, j, [Unknown(0); 2]).back(unknowns[sector_of(entering)][j as usize].0));
                 }
             }
             Terms { fixed: fixed[i], constraint: held[i], ..Terms::default() }

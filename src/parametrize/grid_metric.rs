@@ -120,7 +120,7 @@ impl GridMetric {
         let depth = |piece: &LinearPiece| {
             let [a, b, c] = piece.points;
             let normal = (b - a).cross(c - a);
-            // Cones lie inside, so only the sides that lead to it piece one from the other.
+            // A cone lies inside its triangle: only the two sides at the cone separate the pieces.
             let inside = [(b, c), (c, a)].map(|(p, q)| (q - p).cross(position - p).dot(normal));
             inside[0].min(inside[1]) / normal.length_squared().max(f64::MIN_POSITIVE)
         };

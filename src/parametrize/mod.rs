@@ -51,7 +51,7 @@ pub enum Rows {
     /// They end where tiles of the wanted sides need it.
     #[default]
     Paper,
-    /// They pass over the whole surface but for singularities of the field, and sides give way.
+    /// They pass over the whole surface but for singularities of the field, and sides adapt.
     Continuous,
 }
 
@@ -79,12 +79,37 @@ pub struct Parametrization<'a> {
     stiffness: Vec<f64>,
 }
 
-/// The unknown that stands for the phase along a sector's axis, and across it; mirrored or not.
-type Unknowns = [u32; 2];
+/// An unknown of the linear problems, as a sector reads it: itself or mirrored, with the bit [`MIRRORED`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Unknown(u32);
 
-/// What a sector reads in the direction of `k` quarter turns from its axis.
-fn along(unknowns: Unknowns, k: u32) -> u32 {
-    unknowns[(k % 2) as usize] ^ if k % 4 >= 2 { MIRRORED } else { 0 }
+impl Unknown {
+    fn index(self) -> usize {
+        (self.0 & !MIRRORED) as usize
+    }
+
+    fn is_mirrored(self) -> bool {
+        self.0 & MIRRORED != 0
+    }
+
+    /// The same unknown, read the other way.
+    fn mirrored(self) -> Self {
+        Self(self.0 ^ MIRRORED)
+    }
+
+    /// A real value, negated where the unknown is mirrored.
+    fn signed(self, value: f64) -> f64 {
+        if self.is_mirrored() { -value } else { value }
+    }
+}
+
+/// The unknowns that stand for the phases along a sector's axis, and across it.
+type Unknowns = [Unknown; 2];
+
+/// The unknown that a sector reads in the direction of `k` quarter turns from its axis.
+fn along(unknowns: Unknowns, k: u32) -> Unknown {
+    let unknown = unknowns[(k % 2) as usize];
+    if k % 4 >= 2 { unknown.mirrored() } else { unknown }
 }
 
 impl<'a> Parametrization<'a> {
@@ -168,8 +193,7 @@ impl<'a> Parametrization<'a> {
         let values = equations::offsets(surface, self, cones).solve(backend)?;
         for (coordinates, pair) in self.coordinates.iter_mut().zip(&self.unknowns) {
             for k in 0..2 {
-                let offset = f64::from(values[(pair[k] & !MIRRORED) as usize][1]);
-                coordinates[k] += if pair[k] & MIRRORED != 0 { -offset } else { offset };
+                coordinates[k] += pair[k].signed(f64::from(values[pair[k].index()][1]));
             }
         }
         Ok(())
@@ -237,10 +261,9 @@ impl<'a> Parametrization<'a> {
 }
 
 /// The angle of an unknown's value, in turns.
-fn turns(values: &[Complex], unknown: u32) -> f64 {
-    let [x, y] = values[(unknown & !MIRRORED) as usize].map(f64::from);
-    let turns = y.atan2(x) / TAU;
-    if unknown & MIRRORED != 0 { -turns } else { turns }
+fn turns(values: &[Complex], unknown: Unknown) -> f64 {
+    let [x, y] = values[unknown.index()].map(f64::from);
+    unknown.signed(y.atan2(x) / TAU)
 }
 
 /// The ends of creases within the surface that no singularity of the field sits on.

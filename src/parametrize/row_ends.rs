@@ -57,36 +57,62 @@ struct Flow<'a, 'b> {
     // Of a search, by triangle and direction: cost, the state before and the half-edge crossed last, the charge that the path
     // began with, whether the cost is final.
     cost: Vec<f64>,
-    from: Vec<[u32; 2]>,
+    from: Vec<Option<(State, u32)>>,
     label: Vec<u32>,
     done: Vec<bool>,
-    touched: Vec<u32>,
+    touched: Vec<State>,
+}
+
+/// A unit charge in a triangle, with its direction in quarter turns from the axis at the triangle's first corner.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct State(u32);
+
+impl State {
+    fn new(triangle: u32, direction: u32) -> Self {
+        Self(4 * triangle + direction)
+    }
+
+    fn triangle(self) -> u32 {
+        self.0 / 4
+    }
+
+    fn direction(self) -> u32 {
+        self.0 % 4
+    }
+
+    fn opposite(self) -> Self {
+        Self(self.0 ^ 2)
+    }
+
+    fn index(self) -> usize {
+        self.0 as usize
+    }
 }
 
 /// The states of a triangle's charge, one for each coordinate.
-fn states_of(triangle: u32, [u, v]: [i32; 2]) -> impl Iterator<Item = u32> {
+fn states_of(triangle: u32, [u, v]: [i32; 2]) -> impl Iterator<Item = State> {
     let along = (u != 0).then_some(if u > 0 { 0 } else { 2 });
     let across = (v != 0).then_some(if v > 0 { 1 } else { 3 });
-    [along, across].into_iter().flatten().map(move |k| 4 * triangle + k)
+    [along, across].into_iter().flatten().map(move |k| State::new(triangle, k))
 }
 
 /// What happens in a search, in the order of costs.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Event {
     /// A state is reached.
-    Reached(u32),
+    Reached(State),
     /// Opposite charges meet in these two states.
-    Met(u32, u32),
+    Met(State, State),
     /// A charge leaves a state over a boundary half-edge.
-    Left(u32, u32),
+    Left(State, u32),
 }
 
 /// Where a path ends.
 enum End {
     /// In a triangle, with this direction.
-    Inside(u32),
+    Inside(State),
     /// Over a boundary half-edge, from a state.
-    Outside(u32, u32),
+    Outside(State, u32),
 }
 
 const NOWHERE: u32 = u32::MAX;
@@ -135,7 +161,7 @@ impl Parametrization<'_> {
             sinks,
             shared,
             cost: vec![f64::INFINITY; states],
-            from: vec![[NOWHERE; 2]; states],
+            from: vec![None; states],
             label: vec![NOWHERE; states],
             done: vec![false; states],
             touched: Vec::new(),
@@ -186,9 +212,9 @@ impl Flow<'_, '_> {
     /// how many edges were crossed.
     fn round(&mut self, most: f64) -> usize {
         let mut heap = BinaryHeap::new();
-        let starts: Vec<u32> = (0..).zip(&self.charges).flat_map(|(t, &charge)| states_of(t, charge)).collect();
+        let starts: Vec<State> = (0..).zip(&self.charges).flat_map(|(t, &charge)| states_of(t, charge)).collect();
         for (label, &state) in (0..).zip(&starts) {
-            self.reach(state, 0.0, [NOWHERE; 2], label);
+            self.reach(state, 0.0, None, label);
             heap.push(Reverse((0, Event::Reached(state))));
         }
         let mut alive = vec![true; starts.len()];
@@ -199,21 +225,21 @@ impl Flow<'_, '_> {
             if cost > most {
                 break;
             }
-            let label = |flow: &Self, state: u32| flow.label[state as usize] as usize;
+            let label = |flow: &Self, state: State| flow.label[state.index()] as usize;
             match event {
                 Event::Reached(state) => {
-                    if cost > self.cost[state as usize] || !alive[label(self, state)] {
+                    if cost > self.cost[state.index()] || !alive[label(self, state)] {
                         continue;
                     }
-                    self.done[state as usize] = true;
-                    if self.sinks[state as usize / 4] {
+                    self.done[state.index()] = true;
+                    if self.sinks[state.triangle() as usize] {
                         alive[label(self, state)] = false;
                         crossed += self.apply_path(End::Inside(state));
                         continue;
                     }
-                    let opposite = state ^ 2;
-                    if self.done[opposite as usize] {
-                        let together = cost + self.cost[opposite as usize];
+                    let opposite = state.opposite();
+                    if self.done[opposite.index()] {
+                        let together = cost + self.cost[opposite.index()];
                         heap.push(Reverse((together.to_bits(), Event::Met(state, opposite))));
                     }
                     self.grow(state, cost, |there, event| heap.push(Reverse((there.to_bits(), event))));
@@ -237,18 +263,18 @@ impl Flow<'_, '_> {
     }
 
     /// Reaches what lies beside a state.
-    fn grow(&mut self, state: u32, cost: f64, mut push: impl FnMut(f64, Event)) {
-        for h in 3 * (state / 4)..3 * (state / 4) + 3 {
-            let there = cost + f64::from(self.prices[h as usize][state as usize % 4]);
+    fn grow(&mut self, state: State, cost: f64, mut push: impl FnMut(f64, Event)) {
+        for h in 3 * state.triangle()..3 * state.triangle() + 3 {
+            let there = cost + f64::from(self.prices[h as usize][state.direction() as usize]);
             if there.is_infinite() {
                 continue;
             }
             match self.surface.twin(h) {
                 None => push(there, Event::Left(state, h)),
                 Some(twin) => {
-                    let next = 4 * (twin / 3) + self.across(h, twin, state % 4);
-                    if there < self.cost[next as usize] {
-                        self.reach(next, there, [state, h], self.label[state as usize]);
+                    let next = State::new(twin / 3, self.across(h, twin, state.direction()));
+                    if there < self.cost[next.index()] {
+                        self.reach(next, there, Some((state, h)), self.label[state.index()]);
                         push(there, Event::Reached(next));
                     }
                 }
@@ -258,8 +284,8 @@ impl Flow<'_, '_> {
 
     fn reset_search(&mut self) {
         for state in self.touched.drain(..) {
-            self.cost[state as usize] = f64::INFINITY;
-            self.done[state as usize] = false;
+            self.cost[state.index()] = f64::INFINITY;
+            self.done[state.index()] = false;
         }
     }
 
@@ -268,8 +294,10 @@ impl Flow<'_, '_> {
         let mut crossed = 0;
         for t in (0..self.sinks.len() as u32).filter(|&t| self.sinks[t as usize]).collect::<Vec<_>>() {
             if self.is_half_integer(t) {
-                let end = self.search(4 * t, |flow, state| {
-                    flow.sinks[state as usize / 4] && state / 4 != t && flow.is_half_integer(state / 4)
+                let end = self.search(State::new(t, 0), |flow, state| {
+                    flow.sinks[state.triangle() as usize]
+                        && state.triangle() != t
+                        && flow.is_half_integer(state.triangle())
                 });
                 crossed += end.map_or(0, |end| self.apply_path(end));
                 self.reset_search();
@@ -284,14 +312,14 @@ impl Flow<'_, '_> {
     }
 
     /// The cheapest path from a state to one that takes its charge.
-    fn search(&mut self, start: u32, takes: impl Fn(&Self, u32) -> bool) -> Option<End> {
+    fn search(&mut self, start: State, takes: impl Fn(&Self, State) -> bool) -> Option<End> {
         let mut heap = BinaryHeap::new();
-        self.reach(start, 0.0, [NOWHERE; 2], 0);
+        self.reach(start, 0.0, None, 0);
         heap.push(Reverse((0, Event::Reached(start))));
         while let Some(Reverse((bits, event))) = heap.pop() {
             let cost = f64::from_bits(bits);
             match event {
-                Event::Reached(state) if cost > self.cost[state as usize] => {}
+                Event::Reached(state) if cost > self.cost[state.index()] => {}
                 Event::Reached(state) if state != start && takes(self, state) => return Some(End::Inside(state)),
                 Event::Reached(state) => {
                     self.grow(state, cost, |there, event| heap.push(Reverse((there.to_bits(), event))));
@@ -303,13 +331,13 @@ impl Flow<'_, '_> {
         None
     }
 
-    fn reach(&mut self, state: u32, cost: f64, from: [u32; 2], label: u32) {
-        if self.cost[state as usize].is_infinite() {
+    fn reach(&mut self, state: State, cost: f64, from: Option<(State, u32)>, label: u32) {
+        if self.cost[state.index()].is_infinite() {
             self.touched.push(state);
         }
-        self.cost[state as usize] = cost;
-        self.from[state as usize] = from;
-        self.label[state as usize] = label;
+        self.cost[state.index()] = cost;
+        self.from[state.index()] = from;
+        self.label[state.index()] = label;
     }
 
     /// The direction that a charge in the direction `k` has on the other side of a half-edge.
@@ -380,8 +408,7 @@ impl Flow<'_, '_> {
                 state
             }
         };
-        while self.from[state as usize][0] != NOWHERE {
-            let [before, h] = self.from[state as usize];
+        while let Some((before, h)) = self.from[state.index()] {
             self.change_jumps(before, h);
             crossed += 1;
             state = before;
@@ -390,18 +417,18 @@ impl Flow<'_, '_> {
         crossed
     }
 
-    fn charge(&mut self, state: u32, times: i32) {
-        if self.sinks[state as usize / 4] {
+    fn charge(&mut self, state: State, times: i32) {
+        if self.sinks[state.triangle() as usize] {
             return;
         }
-        let [u, v] = unit(state % 4);
-        let charge = &mut self.charges[state as usize / 4];
+        let [u, v] = unit(state.direction());
+        let charge = &mut self.charges[state.triangle() as usize];
         *charge = [charge[0] + times * u, charge[1] + times * v];
     }
 
     /// Changes the jump of a half-edge, and of its twin, that takes a state's charge over it.
-    fn change_jumps(&mut self, state: u32, half_edge: u32) {
-        let here = (state % 4 + 4 - self.parametrization.quarters_home(half_edge)) % 4;
+    fn change_jumps(&mut self, state: State, half_edge: u32) {
+        let here = (state.direction() + 4 - self.parametrization.quarters_home(half_edge)) % 4;
         if self.surface.features().is_feature(half_edge) {
             let same = (self.along(half_edge) + 4 - here).is_multiple_of(4);
             self.intervals[self.curve_of[half_edge as usize] as usize] += if same { -1 } else { 1 };
@@ -412,7 +439,7 @@ impl Flow<'_, '_> {
         };
         add(&mut self.parametrization.jumps[half_edge as usize], here + 2);
         if let Some(twin) = self.surface.twin(half_edge) {
-            let there = self.across(half_edge, twin, state % 4) + 4 - self.parametrization.quarters_home(twin);
+            let there = self.across(half_edge, twin, state.direction()) + 4 - self.parametrization.quarters_home(twin);
             add(&mut self.parametrization.jumps[twin as usize], there % 4);
             self.prices[twin as usize] = self.prices_of(twin);
         }

@@ -20,8 +20,8 @@ const MASS_FACTOR: f32 = 2000.0;
 /// Where constraints are near, the linear problem's solution on level `start`; elsewhere values by diffusion.
 ///
 /// # Theory
-/// Where constraints are far away or contradict each other the linear solution fades: it is short, its direction says little,
-/// and its angle turns fastest there. Where it is shorter than [`TARGET_LENGTH`], the values come from diffusion that restores
+/// Where constraints are far away or contradict each other the linear solution is short: its direction is uncertain, and its
+/// angle turns fastest there. Where it is shorter than [`TARGET_LENGTH`], the values come from diffusion that restores
 /// their length (Viertel and Osting 2019): mass terms draw them to themselves, and they are solved for again and again. Where
 /// the linear solution is zero, diffusion begins with the `guesses`.
 ///

@@ -46,17 +46,17 @@ fn moved(surface: &RelaxationSurface, tiles: &[Tile], list: &[u32], id: u32, sca
     if tile.quarters > 0 {
         return tile;
     }
-    let (mut pull, mut weight) = (Vec3::ZERO, 0.0f32);
+    let (mut force, mut weight) = (Vec3::ZERO, 0.0f32);
     for &other in list.iter().take_while(|&&other| other != NONE) {
         if let Some(seen) = see(&tile, &tiles[other as usize]) {
             let Some(k) = seen.place(id < other) else { continue };
             let w = if k[0] != 0.0 && k[1] != 0.0 { DIAGONAL } else { 1.0 };
-            pull += (seen.x * (seen.u[0] - k[0]) + seen.y * (seen.u[1] - k[1])) * (w * seen.h);
+            force += (seen.x * (seen.u[0] - k[0]) + seen.y * (seen.u[1] - k[1])) * (w * seen.h);
             weight += w;
         }
     }
     let normal = tile.normal();
-    let step = pull * (STEP / weight.max(2.0));
+    let step = force * (STEP / weight.max(2.0));
     let step = step - normal * dot(normal, step);
     let end = walk_on(surface, tile.triangle, tile.at(), step, MOST_EDGES);
     let corners = surface.corners(end.triangle as usize);

@@ -3,7 +3,7 @@
 //! New faces and vertices have ids of their own, from [`NEW`] on, until the edit is made: it stays valid while the mesh grows
 //! elsewhere.
 
-use crate::mesh::incidence::{neighbours_in, undirected};
+use crate::mesh::incidence::{neighbours_in, sides, undirected};
 use crate::mesh::surface_mesh::{SurfaceMesh, Vertex, walked};
 use crate::surface::Surface;
 use glam::DVec3;
@@ -269,8 +269,8 @@ impl<'a> Edit<'a> {
     }
 
     /// Whether the faces at the touched vertices are still a manifold: one fan round each vertex, of three faces at least where
-    /// it closes inside the surface, no two edges between two vertices, no two faces with the same vertices, and no vertex on
-    /// a feature without a face, except those in `dropped`.
+    /// it closes inside the surface, no two edges between two vertices, no two faces with the same vertices, no boundary
+    /// where there was none, the same Euler characteristic, and no vertex on a feature without a face, except those in `dropped`.
     pub(crate) fn is_sound_without(&self, dropped: &[u32]) -> bool {
         let mut spokes: Vec<[u32; 2]> = Vec::new();
         self.touched().into_iter().all(|v| {
@@ -286,7 +286,7 @@ impl<'a> Edit<'a> {
                 let mut next = spokes.iter().filter(|spoke| spoke[1] == at[0]);
                 match (next.next(), next.next()) {
                     (_, Some(_)) => return false,
-                    (None, _) => return count == spokes.len(),
+                    (None, _) => return count == spokes.len() && self.may_be_open(v),
                     (Some(&spoke), None) if spoke == first => {
                         return count == spokes.len() && count > if self.is_free(v) { 2 } else { 1 };
                     }
@@ -301,7 +301,26 @@ impl<'a> Edit<'a> {
             };
             let repeats = (1..corners.len()).any(|k| corners[..k].contains(&corners[k]));
             !repeats && corners.first().is_none_or(|&v| !self.around(v).any(|other| same(&other)))
-        })
+        }) && self.euler_about(&self.touched()) == Self::new(self.mesh).euler_about(&self.touched())
+    }
+
+    /// The Euler characteristic of the faces about some vertices.
+    fn euler_about(&self, vertices: &[u32]) -> i64 {
+        let mut faces: Vec<u32> = vertices.iter().flat_map(|&v| self.around(v)).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        let mut edges: Vec<[u32; 2]> = faces.iter().flat_map(|&face| sides(self.face(face))).map(undirected).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        let mut corners: Vec<u32> = faces.iter().flat_map(|&face| self.face(face)).copied().collect();
+        corners.sort_unstable();
+        corners.dedup();
+        corners.len() as i64 - edges.len() as i64 + faces.len() as i64
+    }
+
+    /// Whether a vertex may lie on the boundary after the edit: it did before, or it is new and on a feature.
+    fn may_be_open(&self, v: u32) -> bool {
+        if v >= NEW { !self.is_free(v) } else { Self::new(self.mesh).on_boundary(v) }
     }
 
     /// As [`Self::is_sound_without`], every vertex on a feature kept.

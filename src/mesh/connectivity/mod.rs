@@ -20,6 +20,7 @@ pub(crate) mod operations;
 mod patch;
 
 use super::objective::{Context, Measure, Score, chord_loss};
+use super::relocate::match_shapes;
 use super::surface_mesh::SurfaceMesh;
 use crate::surface::Surface;
 use edit::{Change, Edit, NEW};
@@ -46,7 +47,7 @@ pub enum Quads {
 pub struct ConnectivityOptions {
     /// Which triangles are to become quads. Default [`Quads::Most`].
     pub quads: Quads,
-    /// The loss that one triangle less may cost, in perfect quads. Default 1; 0 asks for better shape.
+    /// The loss that one triangle less may cost, in perfect quads. Default 0.8; 0 asks for better shape.
     pub triangle_price: f64,
     /// No quad gets a smaller shape (Qg) than this unless one about it had. Default 0.4; 0 still refuses concave quads.
     pub least_shape: f64,
@@ -65,7 +66,7 @@ impl Default for ConnectivityOptions {
     fn default() -> Self {
         Self {
             quads: Quads::default(),
-            triangle_price: 1.0,
+            triangle_price: 0.8,
             least_shape: 0.4,
             longest_row: 8,
             searched: 10,
@@ -158,6 +159,8 @@ const LEAST_DRIFT: i64 = 2;
 const ALL_PRICE: f64 = 3.0;
 /// The cost of a squared difference of a valence, in perfect quads, where all are quads.
 const REGULARITY: f64 = 0.1;
+/// Passes of relocation before poor quads are cut anew.
+const PASSES: usize = 2;
 /// Edits that gain less are not made.
 const LEAST_GAIN: f64 = 1e-3;
 /// The gain of a fault less, in perfect quads.
@@ -182,6 +185,9 @@ pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &Connectivit
         operations::pair_along_strips(&mut engine);
         engine.options.regularity = options.regularity.max(REGULARITY);
     }
+    let (options, excess, counts) = (engine.options, engine.excess, engine.counts);
+    match_shapes(context, mesh, PASSES);
+    let mut engine = Engine { options, excess, counts, ..Engine::new(context, mesh, &options) };
     engine.run(&[operations::RECUT]);
     operations::dissolve(&mut engine);
     engine.finish()
@@ -200,7 +206,7 @@ pub fn untangle(
         return false;
     }
     engine.counts = *counts;
-    engine.run(&[operations::UNTANGLE]);
+    engine.run(&operations::UNTANGLE);
     if options.quads == Quads::All {
         operations::put_rings(&mut engine);
     }
@@ -232,7 +238,7 @@ struct Found {
 struct Judged {
     gain: f64,
     targets: Vec<(u32, glam::DVec3)>,
-    /// The faces that must still be as they were.
+    /// The old faces that must still be as they were.
     core: Vec<u32>,
 }
 
@@ -293,8 +299,8 @@ impl<'a> Engine<'a> {
                 if excess.abs() > self.excess.abs().max(most_excess) && judged.gain < FAULT {
                     continue;
                 }
-                changed.extend(edit.changed().map(|(face, _)| face));
-                again.extend(judged.core.iter().copied().filter(|face| *face < NEW));
+                changed.extend(edit.changed().map(|(face, _)| face).filter(|face| *face < NEW));
+                again.extend(&judged.core);
                 let change = edit.into_change();
                 again.extend(self.make(&change, &judged.targets));
                 self.excess = excess;
@@ -310,19 +316,17 @@ impl<'a> Engine<'a> {
         }
     }
 
-    /// The edit about a face that gains most, if any does.
+    /// The edit about a face that gains most, of the first operation that has one.
     fn best(&self, operations: &[Operation], face: u32) -> Option<Found> {
         let concerned = operations.iter().filter(|operation| (operation.concerns)(self, face));
-        let mut best: Option<Found> = None;
-        for operation in concerned {
-            for (kind, edit) in (operation.propose)(self, face) {
-                let Some(judged) = self.judge(&edit).filter(|judged| judged.gain > LEAST_GAIN) else { continue };
-                if best.as_ref().is_none_or(|best| judged.gain > best.judged.gain) {
-                    best = Some(Found { face, kind, change: edit.into_change(), judged });
-                }
-            }
-        }
-        best
+        concerned.map(|operation| (operation.propose)(self, face)).find_map(|edits| {
+            edits
+                .into_iter()
+                .filter_map(|(kind, edit)| Some((self.judge(&edit)?, kind, edit)))
+                .filter(|(judged, ..)| judged.gain > LEAST_GAIN)
+                .reduce(|best, other| if other.0.gain > best.0.gain { other } else { best })
+                .map(|(judged, kind, edit)| Found { face, kind, change: edit.into_change(), judged })
+        })
     }
 
     /// What an edit is worth once the vertices about it have relaxed; `None` where it adds a fault or a quad of too small a shape.
@@ -335,7 +339,8 @@ impl<'a> Engine<'a> {
         }
         let relief = if self.options.regularity > 0.0 { self.options.regularity * self.relief(edit) } else { 0.0 };
         let gain = gain(before, after) + relief - self.chord_loss(edit);
-        Some(Judged { gain, targets: relaxed.targets, core: relaxed.core })
+        let core = relaxed.core.into_iter().filter(|face| *face < NEW).collect();
+        Some(Judged { gain, targets: relaxed.targets, core })
     }
 
     /// By how much the loss of chords of feature curves grows.

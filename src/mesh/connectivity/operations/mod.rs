@@ -27,8 +27,11 @@ pub(super) struct Operation {
 pub(super) const PAIR: Operation = Operation { concerns: is_triangle, propose: search::ways_out };
 /// Quads about irregular vertices and faces of a poor shape are cut anew, or go.
 pub(super) const RECUT: Operation = Operation { concerns: recut::is_poor, propose: recut::recuts };
-/// Faults are cut anew, go, or are split.
-pub(super) const UNTANGLE: Operation = Operation { concerns: is_fault, propose: untangle::untangled };
+/// Faults are cut anew, go, or are split; in one step, else in two.
+pub(super) const UNTANGLE: [Operation; 2] = [
+    Operation { concerns: is_fault, propose: untangle::once },
+    Operation { concerns: is_fault, propose: untangle::twice },
+];
 
 fn is_triangle(engine: &Engine, face: u32) -> bool {
     engine.is_triangle(face)

@@ -14,16 +14,20 @@ use crate::mesh::incidence::sides;
 use crate::mesh::surface_mesh::Place;
 
 /// The edits about a fault.
-pub(super) fn untangled<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
-    let once = recuts_and_collapses(&Edit::new(engine.mesh), face);
-    let twice = once.iter().flat_map(|(kind, edit)| {
-        let faces: Vec<u32> = edit.changed().filter(|(_, c)| !c.is_empty()).map(|(face, _)| face).collect();
-        let again = faces.into_iter().flat_map(|face| recuts_and_collapses(edit, face)).collect::<Vec<_>>();
-        again.into_iter().map(|(_, edit)| (*kind, edit))
-    });
-    let mut edits: Vec<(Kind, Edit)> = twice.collect();
-    edits.extend(once);
+pub(super) fn once<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
+    let mut edits = recuts_and_collapses(&Edit::new(engine.mesh), face);
     edits.retain(|(_, edit)| may_be(engine, edit));
+    edits
+}
+
+/// The edits about a fault in two steps.
+pub(super) fn twice<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
+    let mut edits: Vec<(Kind, Edit)> = Vec::new();
+    for (kind, edit) in recuts_and_collapses(&Edit::new(engine.mesh), face) {
+        let faces: Vec<u32> = edit.changed().filter(|(_, corners)| !corners.is_empty()).map(|(face, _)| face).collect();
+        let again = faces.into_iter().flat_map(|face| recuts_and_collapses(&edit, face));
+        edits.extend(again.map(|(_, edit)| (kind, edit)).filter(|(_, edit)| may_be(engine, edit)));
+    }
     edits
 }
 
