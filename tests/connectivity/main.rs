@@ -3,6 +3,7 @@
 #[path = "../common/plate.rs"]
 mod plate;
 
+mod invariants;
 mod pair;
 mod paper;
 mod untangle;
@@ -36,6 +37,13 @@ fn optimised_on(context: &Context, mut mesh: SurfaceMesh, options: &Connectivity
 /// What becomes of which triangles, all else by default.
 fn with(quads: Quads) -> ConnectivityOptions {
     ConnectivityOptions { quads, ..ConnectivityOptions::default() }
+}
+
+/// A mesh in the plane.
+fn flat(points: &[[f64; 2]], faces: &[&[u32]]) -> Mesh {
+    let mut mesh = Mesh::new(points.iter().map(|[x, y]| [*x, *y, 0.0]).collect());
+    faces.iter().for_each(|face| mesh.push_face(face));
+    mesh
 }
 
 /// The faces, each turned so that its smallest vertex comes first, sorted.

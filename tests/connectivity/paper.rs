@@ -1,22 +1,15 @@
 //! The paper's clean-up: positions stay, and the four patterns are replaced where the faces' worth grows.
 
 use super::plate::covered;
-use super::{Optimised, Random, area, faces, optimised, optimised_on, push_split, with};
-use quadmosaic::mesh::check::{Faults, check};
+use super::{Optimised, Random, area, faces, flat, optimised, optimised_on, push_split, with};
+use quadmosaic::mesh::check::check;
 use quadmosaic::mesh::connectivity::Quads;
 use quadmosaic::mesh::quality::{Quality, quad_shape};
 use quadmosaic::mesh::{Context, Mesh, SurfaceMesh};
-use quadmosaic::surface::{FeatureOptions, Soup, Surface};
+use quadmosaic::surface::Surface;
 
 /// The smallest shape of a quad that may come, as the clean-up has it.
 const LEAST_SHAPE: f64 = 0.3;
-
-fn mesh(points: &[[f64; 2]], faces: &[&[u32]]) -> Mesh {
-    let mut mesh = Mesh::new(points.iter().map(|[x, y]| [*x, *y, 0.0]).collect());
-    faces.iter().for_each(|face| mesh.push_face(face));
-    assert!(check(&mesh).list.iter().all(|fault| fault.at[2] == 0.0));
-    mesh
-}
 
 /// The mesh on the surface that it covers, cleaned up; some of its edges are features.
 fn cleaned(mesh: &Mesh, features: &[[u32; 2]]) -> Optimised {
@@ -39,14 +32,14 @@ fn assert_refused(mesh: &Mesh, features: &[[u32; 2]]) {
 
 #[test]
 fn two_triangles_become_a_quad() {
-    let square = mesh(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], &[&[0, 1, 2], &[0, 2, 3]]);
+    let square = flat(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], &[&[0, 1, 2], &[0, 2, 3]]);
     let Optimised { after, origins, counts, .. } = cleaned(&square, &[]);
     assert_eq!(faces(&after), [[0, 1, 2, 3]]);
     assert_eq!((counts.merged, counts.triangles_before, counts.triangles_after), (1, 2, 0));
     assert_eq!(origins, [0, 1, 2, 3]);
 
     assert_refused(&square, &[[0, 2]]);
-    let dart = mesh(&[[0.0, 0.0], [1.0, 0.0], [0.3, 0.3], [0.0, 1.0]], &[&[0, 1, 2], &[0, 2, 3]]);
+    let dart = flat(&[[0.0, 0.0], [1.0, 0.0], [0.3, 0.3], [0.0, 1.0]], &[&[0, 1, 2], &[0, 2, 3]]);
     assert_refused(&dart, &[]);
 }
 
@@ -54,13 +47,13 @@ fn two_triangles_become_a_quad() {
 fn the_better_of_two_merges_is_taken() {
     // Three triangles in a fan: the two on the left make a square, the two on the right a lopsided quad.
     let fan =
-        mesh(&[[0.0, 0.0], [2.0, -0.5], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], &[&[0, 1, 2], &[0, 2, 3], &[0, 3, 4]]);
+        flat(&[[0.0, 0.0], [2.0, -0.5], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], &[&[0, 1, 2], &[0, 2, 3], &[0, 3, 4]]);
     assert_eq!(faces(&cleaned(&fan, &[]).after), [vec![0, 1, 2], vec![0, 2, 3, 4]]);
 }
 
 /// Triangle, quad, triangle over two squares: the quad lies aslant.
 fn slanted_row() -> Mesh {
-    mesh(
+    flat(
         &[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [0.0, 1.0]],
         &[&[0, 4, 5], &[0, 1, 3, 4], &[1, 2, 3]],
     )
@@ -89,7 +82,7 @@ fn the_field_decides_between_two_cuts() {
         (0..6).map(|k| f64::from(k) * std::f64::consts::FRAC_PI_3).map(|t| [t.cos(), t.sin()]).collect();
     for middle in 0..3_u32 {
         let at = |k: u32| (middle + k) % 6;
-        let hexagon = mesh(&corners, &[&[at(0), at(1), at(2)], &[at(0), at(2), at(3), at(5)], &[at(3), at(4), at(5)]]);
+        let hexagon = flat(&corners, &[&[at(0), at(1), at(2)], &[at(0), at(2), at(3), at(5)], &[at(3), at(4), at(5)]]);
         let surface = covered(&hexagon, &[]);
         let context = Context::new(&surface);
         let middles = [0.0_f64, 60.0, 120.0].map(|direction| {
@@ -108,7 +101,7 @@ fn the_field_decides_between_two_cuts() {
 #[test]
 fn two_triangles_at_a_vertex_with_a_quad_between_become_quads() {
     // Round vertex 1: a triangle, a quad and a triangle over two squares.
-    let turn = mesh(
+    let turn = flat(
         &[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.2], [0.0, 1.0]],
         &[&[0, 1, 5], &[1, 3, 4, 5], &[1, 2, 3]],
     );
@@ -126,7 +119,7 @@ fn two_triangles_at_a_vertex_with_a_quad_between_become_quads() {
 #[test]
 fn two_triangles_at_a_vertex_with_an_edge_between_become_quads() {
     // Round vertex 2: a triangle, two quads with the edge 2-6 between them, and a triangle; three squares, cut aslant.
-    let turn = mesh(
+    let turn = flat(
         &[[0.0, 0.0], [1.0, -0.3], [2.0, 0.0], [3.0, 0.0], [3.0, 1.0], [2.0, 1.0], [1.0, 1.2], [0.0, 1.0]],
         &[&[1, 2, 0], &[0, 2, 6, 7], &[2, 4, 5, 6], &[2, 3, 4]],
     );
@@ -143,7 +136,7 @@ fn framed(inside: &[[f64; 2]], within: &[&[u32]]) -> Mesh {
     points.extend(inside);
     let mut all: Vec<&[u32]> = vec![&[4, 5, 1, 0], &[5, 6, 2, 1], &[6, 7, 3, 2], &[7, 4, 0, 3]];
     all.extend(within);
-    mesh(&points, &all)
+    flat(&points, &all)
 }
 
 #[test]
@@ -179,7 +172,7 @@ fn three_triangles_become_one() {
     let points = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.9], [0.5, 0.3], [-2.0, -1.0], [3.0, -1.0], [0.5, 3.0]];
     let ring: [&[u32]; 3] = [&[4, 5, 1, 0], &[5, 6, 2, 1], &[6, 4, 0, 2]];
     let star: [&[u32]; 3] = [&[0, 1, 3], &[1, 2, 3], &[2, 0, 3]];
-    let before = mesh(&points, &[ring, star].concat());
+    let before = flat(&points, &[ring, star].concat());
     let Optimised { after, origins, counts, .. } = cleaned(&before, &[]);
     assert_eq!((counts.removed, counts.triangles_after), (1, 1));
     assert_eq!(origins, [0, 1, 2, 4, 5, 6]);
@@ -191,32 +184,11 @@ fn three_triangles_become_one() {
 #[test]
 fn boundary_vertices_stay() {
     // Vertex 3 has two faces, but lies on the boundary.
-    let corner = mesh(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.2, 0.8]], &[&[0, 1, 2], &[0, 2, 3]]);
+    let corner = flat(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.2, 0.8]], &[&[0, 1, 2], &[0, 2, 3]]);
     // So it does where the surface goes on.
-    let beyond = covered(&mesh(&[[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]], &[&[0, 1, 2]]), &[]);
+    let beyond = covered(&flat(&[[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]], &[&[0, 1, 2]]), &[]);
     for Optimised { after, counts, .. } in [cleaned(&corner, &[]), cleaned_on(&beyond, &corner)] {
         assert_eq!((after.points.len(), counts.removed), (4, 0));
-    }
-}
-
-#[test]
-fn no_second_edge_between_two_vertices() {
-    // A tetrahedron: merging any two of its triangles joins nothing anew, but the two quads left would be one face twice.
-    let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 0.1]];
-    let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    let soup = Soup { points, triangles, ..Soup::default() };
-    let smooth = FeatureOptions { crease: 180.0, ..FeatureOptions::default() };
-    let surface = Surface::new(&soup, &smooth).unwrap_or_else(|error| panic!("{error}"));
-    for quads in [Quads::Paper, Quads::Most, Quads::All] {
-        let generous = quadmosaic::mesh::connectivity::ConnectivityOptions {
-            triangle_price: 10.0,
-            least_shape: 0.0,
-            ..with(quads)
-        };
-        let Optimised { after, .. } = optimised(&surface, &soup.clone().into(), &generous);
-        let faults: Faults = check(&after);
-        assert!(faults.is_clean(), "{quads:?}: {faults}");
-        assert_eq!(faults.euler, 2, "{quads:?}");
     }
 }
 
@@ -227,7 +199,7 @@ fn random_grid(n: u32, split: f64, jitter: f64, seed: u64) -> Mesh {
     let points: Vec<[f64; 2]> = (0..side * side)
         .map(|v| [v % side, v / side].map(|x| f64::from(x) + jitter * (2.0 * random.next() - 1.0)))
         .collect();
-    let mut grid = mesh(&points, &[]);
+    let mut grid = flat(&points, &[]);
     for cell in 0..n * n {
         let a = cell / n * side + cell % n;
         push_split(&mut grid, [a, a + 1, a + 1 + side, a + side], split, &mut random);
@@ -333,94 +305,4 @@ fn the_same_twice() {
     let run = || (cleaned(&before, &[]).after, cleaned(&before, &[]).counts);
     assert_eq!(run(), run());
     assert_ne!(run().0, cleaned(&leftovers(16, 2), &[]).after);
-}
-
-#[test]
-fn polygons_are_left_alone() {
-    let before = mesh(
-        &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0], [2.5, 0.5], [2.0, 1.0]],
-        &[&[0, 1, 2], &[0, 2, 3], &[1, 4, 5, 6, 2]],
-    );
-    for quads in [Quads::Paper, Quads::Most, Quads::All] {
-        let Optimised { after, .. } = optimised(&covered(&before, &[]), &before, &with(quads));
-        assert_eq!(faces(&after), [vec![0, 1, 2, 3], vec![1, 4, 5, 6, 2]], "{quads:?}");
-    }
-}
-
-/// A torus of `n` by `2 n` quads, radii 1 and 2, a share of the quads split, with its normals and crosses.
-fn torus(n: u32, split: f64, seed: u64) -> (Mesh, Vec<[f64; 3]>, Vec<[f64; 3]>) {
-    let mut random = Random(seed);
-    let (mut torus, mut normals, mut axes) = (Mesh::default(), Vec::new(), Vec::new());
-    for v in 0..2 * n * n {
-        let angle = |k: u32, n: u32, shift: f64| (f64::from(k) + 0.2 * shift) * std::f64::consts::TAU / f64::from(n);
-        let (sin_u, cos_u) = angle(v / n, 2 * n, random.next()).sin_cos();
-        let (sin_v, cos_v) = angle(v % n, n, random.next()).sin_cos();
-        torus.points.push([(2.0 + cos_v) * cos_u, (2.0 + cos_v) * sin_u, sin_v]);
-        normals.push([cos_v * cos_u, cos_v * sin_u, sin_v]);
-        axes.push([-sin_u, cos_u, 0.0]);
-    }
-    for (i, j) in (0..2 * n).flat_map(|i| (0..n).map(move |j| (i, j))) {
-        let at = |i: u32, j: u32| i % (2 * n) * n + j % n;
-        push_split(&mut torus, [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)], split, &mut random);
-    }
-    (torus, normals, axes)
-}
-
-#[test]
-fn closed_curved_surface_keeps_its_topology() {
-    for (seed, split) in [(1, 0.3), (2, 0.6), (3, 1.0)] {
-        let (before, normals, axes) = torus(16, split, seed);
-        assert!(check(&before).is_clean(), "{}", check(&before));
-        let surface = covered(&before, &[]);
-        let context = Context::new(&surface);
-        for quads in [Quads::Paper, Quads::Most, Quads::All] {
-            let laid = SurfaceMesh::of(&context, &before).with_axes(&axes);
-            let Optimised { after, origins, counts, .. } = optimised_on(&context, laid, &with(quads));
-            let faults = check(&after);
-            assert!(faults.is_clean(), "{faults}");
-            assert_eq!((faults.euler, faults.boundary_loops, faults.components), (0, 0, 1));
-            assert!(counts.triangles_after * 20 < counts.triangles_before, "{quads:?}: {counts:?}");
-            assert!(quads != Quads::All || counts.triangles_after == 0, "{counts:?}");
-            // Every new face looks outwards.
-            for face in after.faces() {
-                let Some(old) = face.iter().map(|&v| origins[v as usize]).find(|&old| old != u32::MAX) else {
-                    continue;
-                };
-                let normal = normals[old as usize];
-                let [a, b, c] = [0, 1, face.len() - 1].map(|k| after.points[face[k] as usize]);
-                let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
-                let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-                assert!((0..3).map(|k| cross[k] * normal[k]).sum::<f64>() > 0.0, "{face:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn any_faces_at_all_are_borne() {
-    let square = mesh(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], &[&[0, 1, 2, 3]]);
-    let surface = covered(&square, &[]);
-    let context = Context::new(&surface);
-    for seed in 0..200 {
-        let mut random = Random(seed);
-        let mut soup = Mesh::new((0..12).map(|_| [0; 3].map(|_| random.next())).collect());
-        for _ in 0..20 {
-            let sides = 1 + (random.next() * 5.0) as usize;
-            // Some name a vertex twice, and some one that is missing.
-            let face: Vec<u32> = (0..sides).map(|_| (random.next() * 12.05) as u32).collect();
-            soup.push_face(&face);
-        }
-        let mut axes = [[1.0, 0.0, 0.0]; 12];
-        if seed % 2 == 0 {
-            soup.points[0][0] = f64::NAN;
-            axes[1] = [f64::NAN; 3];
-        }
-        for quads in [Quads::Paper, Quads::Most, Quads::All] {
-            let laid = SurfaceMesh::of(&context, &soup).with_axes(&axes);
-            let Optimised { after, counts, .. } = optimised_on(&context, laid, &with(quads));
-            assert!(counts.triangles_after <= counts.triangles_before, "{counts:?}");
-            assert!(quads == Quads::All || after.face_count() <= soup.face_count(), "{counts:?}");
-        }
-        assert!(!check(&soup).is_clean());
-    }
 }
