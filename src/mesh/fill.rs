@@ -249,17 +249,28 @@ impl<'a> Filler<'a> {
 mod tests {
     use super::*;
     use crate::mesh::intrinsic::tests::plane;
+    use crate::mesh::{Place, Vertex};
     use crate::mosaic::Tile;
+    use crate::surface::{FeatureOptions, Soup, Surface};
     use bytemuck::Zeroable;
 
-    /// One hole in the plane, its tiles of side 1 turned along x and y.
+    /// One hole in the plane, its tiles of side 1 turned along x and y, all of them on the surface's triangle 0.
     fn hole(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Triangulation {
         let tile = Tile { normal: [0.0, 0.0, 1.0], axis: [1.0, 0.0, 0.0], h: 1.0, ..Tile::zeroed() };
+        let vertex = |(v, &[x, y]): (u32, &[f64; 2])| Vertex {
+            point: DVec3::new(x, y, 0.0),
+            place: Place::Free,
+            triangles: [0; 2],
+            normal: DVec3::Z,
+            axis: DVec3::X,
+            valence: 4,
+            origin: v,
+        };
         Triangulation {
             faces: plane(points, triangles),
             tiles: vec![tile; points.len()],
             sides: vec![1.0; points.len()],
-            points: points.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect(),
+            vertices: (0..).zip(points).map(vertex).collect(),
             sites: 0,
             extra: 0,
             factors: Vec::new(),
@@ -267,10 +278,18 @@ mod tests {
         }
     }
 
+    /// A triangle that looks along z.
+    fn triangle() -> Surface {
+        let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let soup = Soup { points, triangles: vec![[0, 1, 2]], ..Soup::default() };
+        Surface::new(&soup, &FeatureOptions::default()).unwrap()
+    }
+
     /// The faces that the outline of the hole, all of its edges, is filled with: vertices and faces in ascending order.
     fn filled(hole: &Triangulation, holes: Holes) -> Vec<Vec<u32>> {
         let outline: Vec<bool> = hole.faces.twin.iter().map(|twin| *twin == NONE).collect();
-        let (mesh, count) = fill(hole, &outline, holes);
+        let surface = triangle();
+        let (mesh, count) = fill(&Context::new(&surface), hole, &outline, holes);
         assert!(count >= 1);
         let sorted = |face: &[u32]| {
             let mut face = face.to_vec();

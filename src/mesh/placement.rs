@@ -17,6 +17,9 @@ const REGULAR: u8 = 4;
 impl SurfaceMesh {
     /// A mesh, in model units, on the surface of a context. Vertices on feature curves and corners are found; the others lie
     /// where the nearest triangle is. Edges between neighbours on a curve are feature edges. Tiles count as squares.
+    ///
+    /// Faces of fewer than three sides, and those that name a vertex twice or one that is missing, are left out. A vertex
+    /// that is not finite stays where it is.
     pub fn of(context: &Context, mesh: &Mesh) -> Self {
         let surface = context.surface;
         let curves = surface.features().curves();
@@ -33,9 +36,12 @@ impl SurfaceMesh {
         for (v, &point) in (0..).zip(&mesh.points) {
             let point = DVec3::from(surface.frame().to_unit(point));
             let triangle = context.orientation.triangles().nearest(point).0;
-            let normal = surface.normal(triangle as usize).as_dvec3();
+            let normal = if triangle == NONE { DVec3::Z } else { surface.normal(triangle as usize).as_dvec3() };
             let (mut place, mut triangles) = (Place::Free, [triangle; 2]);
-            if corners.iter().any(|corner| corner.distance(point) < ON_FEATURE) {
+            if triangle == NONE {
+                // It is not finite.
+                place = Place::Corner;
+            } else if corners.iter().any(|corner| corner.distance(point) < ON_FEATURE) {
                 (place, triangles) = (Place::Corner, [NONE; 2]);
             } else if let Some((_, found)) = tree.nearest(point).filter(|(distance, _)| *distance < ON_FEATURE) {
                 let (curve, k) = segments[found.id as usize];
@@ -50,7 +56,12 @@ impl SurfaceMesh {
             let axis = normal.any_orthonormal_vector();
             vertices.push(Vertex { point, place, triangles, normal, axis, valence: REGULAR, origin: v });
         }
-        let edges: FxHashSet<[u32; 2]> = mesh.faces().flat_map(sides).map(undirected).collect();
+        let is_whole = |face: &&[u32]| {
+            let is_wrong = |k: usize| face[..k].contains(&face[k]) || face[k] as usize >= vertices.len();
+            face.len() >= 3 && !(0..face.len()).any(is_wrong)
+        };
+        let faces: Vec<Vec<u32>> = mesh.faces().filter(is_whole).map(<[u32]>::to_vec).collect();
+        let edges: FxHashSet<[u32; 2]> = faces.iter().flat_map(|face| sides(face)).map(undirected).collect();
         let mut features = FxHashMap::default();
         for (id, curve) in (0..).zip(curves) {
             let mut along = on_curves.remove(&id).unwrap_or_default();
@@ -66,7 +77,6 @@ impl SurfaceMesh {
             let pairs = chain.windows(2).map(|pair| undirected([pair[0], pair[1]]));
             features.extend(pairs.filter(|pair| edges.contains(pair)).map(|pair| (pair, id)));
         }
-        let faces: Vec<Vec<u32>> = mesh.faces().map(<[u32]>::to_vec).collect();
         Self::new(vertices, &faces, features, Metric::default())
     }
 

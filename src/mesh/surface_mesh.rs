@@ -101,6 +101,15 @@ impl SurfaceMesh {
         mesh
     }
 
+    /// The same mesh whose vertices have these tangent directions of the cross, of any length but 0, one for each vertex.
+    pub fn with_axes(mut self, axes: &[[f64; 3]]) -> Self {
+        for (vertex, &axis) in self.vertices.iter_mut().zip(axes) {
+            let axis = DVec3::from(axis);
+            vertex.axis = (axis - vertex.normal * vertex.normal.dot(axis)).try_normalize().unwrap_or(vertex.axis);
+        }
+        self
+    }
+
     /// The vertices, those that no face has included.
     pub fn vertices(&self) -> &[Vertex] {
         &self.vertices

@@ -19,12 +19,19 @@ const CHEAP: f64 = 0.35;
 /// Edits that cost more are not followed.
 const MOST: f64 = 2.6;
 
-/// The edits in which a triangle and another one are no more.
+/// The edits in which a triangle and another one are no more: one for each that is beside it, and the cheapest others.
 pub(super) fn ways_out<'e>(engine: &'e Engine, triangle: u32) -> Vec<(Kind, Edit<'e>)> {
-    search(engine, triangle).into_iter().map(|end| (end.kind, end.edit)).collect()
+    let edit = Edit::new(engine.mesh);
+    let corners = edit.face(triangle);
+    let met = (0..3).filter_map(|side| {
+        let other = edit.across(corners[side], corners[(side + 1) % 3]).filter(|&other| engine.is_triangle(other))?;
+        walk::meet(&edit, triangle, side, other).map(|(_, met)| (Kind::Meet, met)).filter(|(_, met)| met.is_sound())
+    });
+    let others = search(engine, triangle).into_iter().map(|end| (end.kind, end.edit));
+    met.chain(others).collect()
 }
 
-/// The cheapest edits in which the triangle is no more, by uniform-cost search over its steps.
+/// The cheapest edits in which the triangle is no more, by uniform-cost search over its steps, but for those without a step.
 fn search<'e>(engine: &'e Engine, triangle: u32) -> Vec<End<'e>> {
     let mut walked = vec![(Edit::new(engine.mesh), triangle)];
     let mut seen: FxHashSet<[u32; 3]> = FxHashSet::default();
@@ -46,7 +53,7 @@ fn search<'e>(engine: &'e Engine, triangle: u32) -> Vec<End<'e>> {
             }
             let Some(next) = edit.across(x, y) else { continue };
             match edit.face(next).len() {
-                3 => ends.extend(Kind::Meet, cost, walk::meet(edit, triangle, side, next)),
+                3 if node > 0 => ends.extend(Kind::Meet, cost, walk::meet(edit, triangle, side, next)),
                 4 => heap.extend(walk::steps(edit, triangle, side, next).filter_map(|step| {
                     let cost = cost + step.cost(edit) + STEP;
                     (cost - HOPE < ends.most() && !seen.contains(&step.key())).then_some(Reached {

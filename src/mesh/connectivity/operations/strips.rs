@@ -145,7 +145,8 @@ fn find_strip(engine: &Engine, triangle: u32, beside: bool) -> Option<Strip> {
             crossings.reverse();
             return Some(Strip { cost, triangle, crossings });
         }
-        for side in sides(corners) {
+        // Of two faces that run along a side in the same direction, one has it.
+        for side in sides(corners).filter(|&[a, b]| edit.left(a, b) == Some(face)) {
             let next = edit.left(side[1], side[0]);
             let count = next.map_or(0, |next| edit.face(next).len());
             let is_feature = next.is_none() || edit.curve(side).is_some();

@@ -1,46 +1,14 @@
 //! The pairing of triangles: each way to do it on a grid of squares that has one fault, and where it must refuse.
 
+use super::plate::{Grid, SIDE, at};
+use super::{Optimised, optimised, with};
 use quadmosaic::mesh::Mesh;
-use quadmosaic::mesh::check::check;
-use quadmosaic::mesh::clean::Anchors;
-use quadmosaic::mesh::pair::{PairCounts, PairOptions, Quads, pair};
+use quadmosaic::mesh::check::{Faults, check};
+use quadmosaic::mesh::connectivity::{ConnectivityOptions, EditCounts, Quads};
 use quadmosaic::mesh::quality::Quality;
-use quadmosaic::surface::{FeatureOptions, Soup, Surface};
 
-/// Squares along a side of the grid.
-const SIDE: u32 = 12;
-
-/// A square of two triangles, the lower right one first, that the grid lies on.
-fn plate() -> Surface {
-    let n = f64::from(SIDE);
-    let soup = Soup {
-        points: vec![[0.0; 3], [n, 0.0, 0.0], [n, n, 0.0], [0.0, n, 0.0]],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Soup::default()
-    };
-    Surface::new(&soup, &FeatureOptions::default()).unwrap()
-}
-
-fn at(i: u32, j: u32) -> u32 {
-    j * (SIDE + 1) + i
-}
-
-/// A mesh on the plate, in the making.
-#[derive(Clone)]
-struct Grid {
-    points: Vec<[f64; 2]>,
-    faces: Vec<Vec<u32>>,
-    features: Vec<[u32; 2]>,
-}
-
+/// Grids that lack something.
 impl Grid {
-    fn new() -> Self {
-        let points = (0..=SIDE).flat_map(|j| (0..=SIDE).map(move |i| [f64::from(i), f64::from(j)])).collect();
-        let cells = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
-        let faces = cells.map(|(i, j)| vec![at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]).collect();
-        Self { points, faces, features: Vec::new() }
-    }
-
     /// Cuts the row of squares above (`from`, `j`) to (`to`, `j`) aslant, between two triangles.
     fn leaning(mut self, from: u32, to: u32, j: u32) -> Self {
         self.faces.retain(|face| !(from..to).any(|i| face[0] == at(i, j)));
@@ -120,42 +88,17 @@ impl Grid {
         self
     }
 
-    fn with_features(mut self, edges: &[[u32; 2]]) -> Self {
-        self.features.extend(edges);
-        self
-    }
-
-    fn paired(&self, options: &PairOptions) -> (Mesh, Mesh, PairCounts) {
-        let surface = plate();
-        let mut mesh = Mesh::new(self.points.iter().map(|&[x, y]| surface.frame().to_unit([x, y, 0.0])).collect());
-        self.faces.iter().for_each(|face| mesh.push_face(face));
-        let n = f64::from(SIDE);
-        let on_rim = |&[x, y]: &[f64; 2]| x == 0.0 || y == 0.0 || x == n || y == n;
-        let fixed: Vec<bool> = (0..)
-            .zip(&self.points)
-            .map(|(v, point)| on_rim(point) || self.features.iter().flatten().any(|w| *w == v))
-            .collect();
-        let below: Vec<Option<u32>> =
-            self.points.iter().zip(&fixed).map(|([x, y], fixed)| (!fixed).then_some(u32::from(y > x))).collect();
-        let anchors = Anchors {
-            feature_edges: self.features.clone(),
-            normals: vec![[0.0, 0.0, 1.0]; fixed.len()],
-            axes: vec![[1.0, 0.0, 0.0]; fixed.len()],
-            factors: Vec::new(),
-            fixed,
-        };
+    fn paired(&self, options: &ConnectivityOptions) -> Optimised {
         // As many vertices as the whole grid has are wanted.
         let excess = self.points.len() as i64 - i64::from((SIDE + 1).pow(2));
-        let result = pair(&surface, &mesh, &anchors, &below, &PairOptions { excess, ..*options });
-        assert_eq!((result.kept.len(), result.below.len()), (result.mesh.points.len(), result.mesh.points.len()));
-        (mesh, result.mesh, result.counts)
+        optimised(&self.surface(), &self.mesh(), &ConnectivityOptions { excess, ..*options })
     }
 }
 
 /// All squares again, and nothing broken.
 #[track_caller]
-fn assert_healed(grid: &Grid) -> PairCounts {
-    let (before, after, counts) = grid.paired(&PairOptions::default());
+fn assert_healed(grid: &Grid) -> EditCounts {
+    let Optimised { before, after, counts, .. } = grid.paired(&ConnectivityOptions::default());
     assert_eq!((counts.triangles_before, counts.triangles_after), (2, 0), "{counts:?}");
     let faults = check(&after);
     assert!(faults.is_clean(), "{faults}");
@@ -167,16 +110,16 @@ fn assert_healed(grid: &Grid) -> PairCounts {
 }
 
 #[track_caller]
-fn assert_refused(grid: &Grid, options: &PairOptions) {
-    let (before, after, counts) = grid.paired(options);
+fn assert_refused(grid: &Grid, options: &ConnectivityOptions) {
+    let Optimised { before, after, counts, .. } = grid.paired(options);
     assert_eq!((counts.met, counts.rows_in, counts.rows_out), (0, 0, 0));
     assert_eq!(counts.triangles_after, 2);
     assert_eq!(before.face_count(), after.face_count());
 }
 
 /// Triangles are worth more than the quads they could be.
-fn cheap() -> PairOptions {
-    PairOptions { triangle_price: -10.0, ..PairOptions::default() }
+fn cheap() -> ConnectivityOptions {
+    ConnectivityOptions { triangle_price: -10.0, ..ConnectivityOptions::default() }
 }
 
 #[test]
@@ -194,7 +137,7 @@ fn triangles_walk_until_they_meet() {
     let bar = [at(4, 5), at(6, 6)];
     assert_refused(
         &short.with_features(&cage).with_features(&[bar, [at(4, 5), at(5, 6)], [at(5, 5), at(6, 6)]]),
-        &PairOptions::default(),
+        &ConnectivityOptions::default(),
     );
 }
 
@@ -204,7 +147,7 @@ fn a_row_between_triangles_that_face_each_other_is_taken_out() {
         let grid = Grid::new().with_row(3, 3 + length, 6);
         let counts = assert_healed(&grid);
         assert_eq!((counts.rows_out, counts.rows_in), (1, 0), "{counts:?}");
-        let (before, after, _) = grid.paired(&PairOptions::default());
+        let Optimised { before, after, .. } = grid.paired(&ConnectivityOptions::default());
         assert_eq!(before.points.len() - after.points.len(), length as usize - 1);
         assert_eq!(Quality::of(&after).irregular_vertices, 0);
         assert_refused(&grid, &cheap());
@@ -217,7 +160,7 @@ fn a_row_between_triangles_that_look_away_is_put_in() {
         let grid = Grid::new().without_row(4, 4 + length, 5);
         let counts = assert_healed(&grid);
         assert_eq!((counts.rows_in, counts.rows_out), (1, 0), "{counts:?}");
-        let (before, after, _) = grid.paired(&PairOptions::default());
+        let Optimised { before, after, .. } = grid.paired(&ConnectivityOptions::default());
         assert_eq!(after.points.len() - before.points.len(), length as usize + 1);
         assert_eq!(Quality::of(&after).irregular_vertices, 0);
         assert_refused(&grid, &cheap());
@@ -227,9 +170,10 @@ fn a_row_between_triangles_that_look_away_is_put_in() {
 #[test]
 fn far_triangles_meet_where_all_are_to_be_quads() {
     let grid = Grid::new().leaning(1, 11, 5);
-    let near = PairOptions { drafts: 2, longest_row: 1, ..PairOptions::default() };
+    let near = ConnectivityOptions { searched: 2, longest_row: 1, ..ConnectivityOptions::default() };
     assert_refused(&grid, &near);
-    let (_, after, counts) = grid.paired(&PairOptions { quads: Quads::All, drafts: 1, longest_row: 0, ..near });
+    let Optimised { after, counts, .. } =
+        grid.paired(&ConnectivityOptions { quads: Quads::All, searched: 1, longest_row: 0, ..near });
     assert_eq!(counts.triangles_after, 0, "{counts:?}");
     assert!(check(&after).is_clean(), "{}", check(&after));
     assert!(after.faces().all(|face| face.len() == 4));
@@ -239,10 +183,10 @@ fn far_triangles_meet_where_all_are_to_be_quads() {
 fn an_odd_boundary_gets_one_more_vertex_where_all_are_to_be_quads() {
     // A row is missing from a triangle to the rim, which has a vertex less there.
     let grid = Grid::new().without_row(8, SIDE, 5);
-    let (before, after, counts) = grid.paired(&PairOptions::default());
+    let Optimised { before, after, counts, .. } = grid.paired(&ConnectivityOptions::default());
     assert_eq!((counts.triangles_after, counts.on_boundaries), (1, 0), "alone it stays");
     assert_eq!(before.faces().len(), after.faces().len());
-    let (before, after, counts) = grid.paired(&PairOptions { quads: Quads::All, ..PairOptions::default() });
+    let Optimised { before, after, counts, .. } = grid.paired(&with(Quads::All));
     assert_eq!((counts.triangles_after, counts.on_boundaries, counts.on_features), (0, 1, 0), "{counts:?}");
     assert!(check(&after).is_clean(), "{}", check(&after));
     assert!(after.faces().all(|face| face.len() == 4));
@@ -250,13 +194,13 @@ fn an_odd_boundary_gets_one_more_vertex_where_all_are_to_be_quads() {
     assert_eq!(rim(&after), rim(&before) + 1);
 }
 
-fn all() -> PairOptions {
-    PairOptions { quads: Quads::All, ..PairOptions::default() }
+fn all() -> ConnectivityOptions {
+    with(Quads::All)
 }
 
-/// Far triangles are left to ways.
-fn only_ways() -> PairOptions {
-    PairOptions { drafts: 1, longest_row: 0, ..all() }
+/// Far triangles are left to strips.
+fn only_strips() -> ConnectivityOptions {
+    ConnectivityOptions { searched: 1, longest_row: 0, ..all() }
 }
 
 #[track_caller]
@@ -267,23 +211,29 @@ fn assert_all_quads(after: &Mesh) {
 }
 
 #[test]
-fn ways_cross_features_which_get_a_vertex() {
+fn strips_cross_features_which_get_a_vertex() {
     // A line that leans where the row of the two triangles does.
     let below = (0..5).map(|j| [at(6, j), at(6, j + 1)]);
     let above = (6..SIDE).map(|j| [at(7, j), at(7, j + 1)]);
     let line: Vec<[u32; 2]> = below.chain([[at(6, 5), at(7, 6)]]).chain(above).collect();
     let grid = Grid::new().leaning(3, 10, 5).with_features(&line);
-    assert_refused(&grid, &PairOptions::default());
-    let (before, after, counts) = grid.paired(&only_ways());
-    assert_eq!((counts.triangles_after, counts.ways_in, counts.on_features), (0, 1, 1), "{counts:?}");
+    assert_refused(&grid, &ConnectivityOptions::default());
+    let Optimised { after, origins, counts, .. } = grid.paired(&only_strips());
+    assert_eq!((counts.triangles_after, counts.strips_in, counts.on_features), (0, 1, 1), "{counts:?}");
     assert_all_quads(&after);
-    // The line is a chain of edges still, of one more; its old vertices have stayed.
-    let now = |v: &u32| (0..).zip(&after.points).find(|(_, p)| **p == before.points[*v as usize]).map(|(v, _)| v);
-    let line: Vec<[u32; 2]> = line.iter().map(|edge| [0, 1].map(|k| now(&edge[k]).expect("it stays"))).collect();
+    // The line is a chain of edges still, of one more.
+    let now = |v: u32| (0..).zip(&origins).find(|(_, origin)| **origin == v).expect("it stays").0;
+    let line: Vec<[u32; 2]> = line.iter().map(|edge| edge.map(now)).collect();
     let joined = |a: u32, b: u32| after.edges().iter().any(|edge| edge.ends == [a.min(b), a.max(b)]);
     let missing: Vec<[u32; 2]> = line.iter().copied().filter(|&[a, b]| !joined(a, b)).collect();
     assert_eq!(missing.len(), 1);
-    assert!((0..after.points.len() as u32).any(|v| missing[0].iter().all(|&end| joined(v, end))));
+    let middle = (0..after.points.len() as u32).find(|&v| missing[0].iter().all(|&end| joined(v, end)));
+    let mut on_line: Vec<u32> = line.concat();
+    on_line.push(middle.expect("a vertex between the two"));
+    assert!(on_line.iter().all(|&v| {
+        let [x, y, _] = after.points[v as usize];
+        (x - (y + 1.0).clamp(6.0, 7.0)).abs() < 1e-5
+    }));
 }
 
 #[test]
@@ -302,10 +252,10 @@ fn a_triangle_among_features_is_split_on_all_sides() {
             [at(i, j + 1), at(i + 1, j + 1)],
         ]);
     }
-    let (_, after, counts) = grid.paired(&PairOptions::default());
+    let Optimised { after, counts, .. } = grid.paired(&ConnectivityOptions::default());
     assert_eq!(counts.triangles_after, 4, "features keep them apart");
     assert!(after.faces().any(|face| face.len() == 3));
-    let (_, after, counts) = grid.paired(&all());
+    let Optimised { after, counts, .. } = grid.paired(&all());
     assert_eq!((counts.triangles_after, counts.on_boundaries), (0, 0), "{counts:?}");
     assert!(counts.on_features >= 6, "three a triangle: {counts:?}");
     assert_all_quads(&after);
@@ -314,36 +264,41 @@ fn a_triangle_among_features_is_split_on_all_sides() {
 #[test]
 fn after_a_row_that_came_another_goes() {
     let grid = Grid::new().leaning(1, 11, 2).leaning(1, 11, 9);
-    let (_, after, counts) = grid.paired(&only_ways());
-    assert_eq!((counts.triangles_after, counts.ways_in, counts.ways_out), (0, 1, 1), "{counts:?}");
+    let Optimised { after, counts, .. } = grid.paired(&only_strips());
+    assert_eq!((counts.triangles_after, counts.strips_in, counts.strips_out), (0, 1, 1), "{counts:?}");
     assert_all_quads(&after);
-    let alone = Grid::new().leaning(1, 11, 2).paired(&only_ways());
-    assert_eq!((alone.2.ways_in, alone.2.ways_out), (1, 0), "nothing is too many yet: {:?}", alone.2);
+    let alone = Grid::new().leaning(1, 11, 2).paired(&only_strips());
+    assert_eq!(
+        (alone.counts.strips_in, alone.counts.strips_out),
+        (1, 0),
+        "nothing is too many yet: {:?}",
+        alone.counts
+    );
 }
 
 #[test]
-fn an_edge_turns_where_that_leaves_fewer_irregular_vertices() {
+fn an_edge_flips_where_that_leaves_fewer_irregular_vertices() {
     let grid = Grid::new().turned(5, 5);
-    let (before, after, counts) = grid.paired(&all());
-    assert_eq!((Quality::of(&before).irregular_vertices, counts.turned, counts.merged), (4, 1, 0), "{counts:?}");
+    let Optimised { before, after, counts, .. } = grid.paired(&all());
+    assert_eq!((Quality::of(&before).irregular_vertices, counts.flipped, counts.collapsed), (4, 1, 0), "{counts:?}");
     assert_eq!(Quality::of(&after).irregular_vertices, 0);
     assert_all_quads(&after);
-    let (_, after, counts) = grid.with_features(&[[at(4, 5), at(6, 6)]]).paired(&all());
-    assert_eq!(counts.turned, 0, "a feature stays");
+    let Optimised { after, counts, .. } = grid.with_features(&[[at(4, 5), at(6, 6)]]).paired(&all());
+    assert_eq!(counts.flipped, 0, "a feature stays");
     assert!(Quality::of(&after).irregular_vertices > 0);
 }
 
 #[test]
 fn a_quad_between_two_vertices_of_valence_three_goes() {
     let grid = Grid::new().doubled(5, 5);
-    let (before, after, counts) = grid.paired(&all());
-    assert_eq!((Quality::of(&before).irregular_vertices, counts.turned, counts.merged), (4, 0, 1), "{counts:?}");
+    let Optimised { before, after, counts, .. } = grid.paired(&all());
+    assert_eq!((Quality::of(&before).irregular_vertices, counts.flipped, counts.collapsed), (4, 0, 1), "{counts:?}");
     assert_eq!(Quality::of(&after).irregular_vertices, 0);
     assert_eq!(after.points.len() + 1, before.points.len());
     assert_all_quads(&after);
     let copy = before.points.len() as u32 - 1;
-    let (_, after, counts) = grid.with_features(&[[at(4, 5), at(5, 5)], [at(6, 5), copy]]).paired(&all());
-    assert_eq!((counts.merged, after.points.len()), (0, before.points.len()), "both are on features");
+    let Optimised { after, counts, .. } = grid.with_features(&[[at(4, 5), at(5, 5)], [at(6, 5), copy]]).paired(&all());
+    assert_eq!((counts.collapsed, after.points.len()), (0, before.points.len()), "both are on features");
 }
 
 #[test]
@@ -356,12 +311,12 @@ fn a_vertex_that_two_faces_have_goes_and_then_the_next() {
     let [a, b, c, d] = corners;
     grid.points.extend([[5.6, 5.6], [5.5, 5.5]]);
     grid.faces.extend([vec![a, b, outer, inner], vec![d, a, inner, outer], vec![b, c, d, outer]]);
-    let (before, after, counts) = grid.paired(&PairOptions::default());
-    assert_eq!((counts.dissolved, after.points.len()), (2, before.points.len() - 2), "{counts:?}");
+    let Optimised { before, after, counts, .. } = grid.paired(&ConnectivityOptions::default());
+    assert_eq!((counts.collapsed + counts.dissolved, after.points.len()), (2, before.points.len() - 2), "{counts:?}");
     assert_eq!(after.face_count(), before.face_count() - 2);
     assert_all_quads(&after);
-    let (_, _, counts) = grid.with_features(&[[a, inner]]).paired(&PairOptions::default());
-    assert_eq!(counts.dissolved, 0, "a vertex on a feature stays");
+    let Optimised { origins, .. } = grid.with_features(&[[a, inner]]).paired(&ConnectivityOptions::default());
+    assert!(origins.contains(&inner), "a vertex on a feature stays");
 }
 
 #[test]
@@ -375,34 +330,37 @@ fn a_needle_is_cut_anew_with_the_face_beside_it() {
     grid.faces.extend([vec![a, c, middle], vec![a, middle, d], vec![middle, c, d], vec![a, b, c]]);
     let around = [[a, b], [b, c], [c, d], [d, a]];
     let worst = |mesh: &Mesh| Quality::of(mesh).tg.map_or(1.0, |spread| spread.min);
-    let (before, after, counts) = grid.clone().with_features(&around).paired(&PairOptions::default());
+    let Optimised { before, after, counts, .. } =
+        grid.clone().with_features(&around).paired(&ConnectivityOptions::default());
     assert!(worst(&before) < 0.1 && worst(&after) > 0.3, "{} {} {counts:?}", worst(&before), worst(&after));
     // On features its sides stay.
     let sides = [[a, c], [a, middle], [middle, c]];
-    let (_, after, _) = grid.with_features(&[around.as_slice(), &sides].concat()).paired(&PairOptions::default());
+    let Optimised { after, .. } =
+        grid.with_features(&[around.as_slice(), &sides].concat()).paired(&ConnectivityOptions::default());
     assert!(worst(&after) < 0.1);
 }
 
 #[test]
 fn faces_that_lie_on_each_other_are_no_harm() {
-    let mut grid = Grid::new();
     let [a, b, c, d] = [at(5, 5), at(6, 5), at(6, 6), at(5, 6)];
-    for options in [PairOptions::default(), all()] {
-        grid.faces = vec![vec![a, b, c], vec![a, c, b]];
-        let (before, after, _) = grid.paired(&options);
-        assert_eq!(after.face_count(), before.face_count(), "the same triangle from both sides");
-        // With a quad that has all of the triangle's corners, the vertex between the two goes.
-        grid.faces = vec![vec![a, b, c], vec![a, c, d, b]];
-        let (_, after, counts) = grid.paired(&options);
-        assert!(after.face_count() == 1 && counts.merged + counts.dissolved > 0, "{counts:?}");
+    // The same triangle from both sides; and with a quad that has all of its corners.
+    for faces in [[vec![a, b, c], vec![a, c, b]], [vec![a, b, c], vec![a, c, d, b]]] {
+        for options in [ConnectivityOptions::default(), all()] {
+            let grid = Grid { faces: faces.to_vec(), ..Grid::new() };
+            let Optimised { before, after, .. } = grid.paired(&options);
+            let [before, after] = [before, after].map(|mesh| check(&mesh));
+            let topology = |faults: &Faults| (faults.euler, faults.boundary_loops, faults.components);
+            assert_eq!(topology(&after), topology(&before));
+            assert!(after.list.len() <= before.list.len(), "{after}");
+        }
     }
 }
 
 #[test]
 fn the_same_twice_and_nothing_to_do_is_nothing_done() {
     let grid = Grid::new().leaning(3, 7, 5).with_row(2, 6, 9);
-    let run = || grid.paired(&PairOptions::default()).1;
+    let run = || grid.paired(&ConnectivityOptions::default()).after;
     assert_eq!(run(), run());
-    let (before, after, counts) = Grid::new().paired(&PairOptions { quads: Quads::All, ..PairOptions::default() });
-    assert_eq!((before, counts), (after, PairCounts::default()));
+    let Optimised { before, after, counts, .. } = Grid::new().paired(&with(Quads::All));
+    assert_eq!((before, counts), (after, EditCounts::default()));
 }
