@@ -188,10 +188,10 @@ impl SurfaceMesh {
         let (normal, middle) = (orientation::normal(&points), orientation::middle(&points));
         // The place below the middle on the face's own sheet tells how far there is to look.
         let Some(&v) = corners.iter().find(|&&v| self.vertex(v).is_free()) else {
-            return context.orientation.vote(normal, middle).is_against;
+            return context.orientation.nearest_sheets(normal, middle).are_opposed;
         };
         let below = walked(context.surface, self.vertex(v).triangles[0], self.point(v), middle);
-        context.orientation.is_against(normal, middle, below.point.distance(middle))
+        context.orientation.opposes_nearest(normal, middle, below.point.distance(middle))
     }
 
     /// The faces that are inverted, concave or without area.
