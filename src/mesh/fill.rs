@@ -241,9 +241,9 @@ impl<'a> Filler<'a> {
     fn face_cost(&self, face: &[u32]) -> f64 {
         let corners: Vec<DVec3> = face.iter().map(|&v| self.triangulation.vertices[v as usize].point).collect();
         let sheets = face.iter().map(|&v| self.triangulation.vertices[v as usize].triangles);
-        let frame = self.metric.frame(face);
+        let map = self.metric.map_of(face);
         let orientation = &self.context.orientation;
-        let measure = Measure::of(&corners, frame.as_ref(), None, || orientation.is_inverted(&corners, sheets));
+        let measure = Measure::of(&corners, map.as_ref(), None, || orientation.is_inverted(&corners, sheets));
         let base = if face.len() == 3 { TRIANGLE_COST } else { 0.0 };
         let is_bad = measure.is_fault || (face.len() == 4 && measure.shape <= NEARLY_CONCAVE);
         let fault = if is_bad { FAULT_COST } else { 0.0 };
