@@ -1,7 +1,7 @@
 //! Connectivity optimisation: one engine makes all local edits of faces.
 //!
 //! # Theory
-//! An [operation](operations) proposes edits about a face. The [objective](super::objective) evaluates an edit after the vertices
+//! An operation proposes edits about a face. The objective of the mesh evaluates an edit after the vertices
 //! near it have relaxed: fewer faults come first, then less loss. Edits are made in rounds. Each face that an operation concerns
 //! finds its best edit; the edits are evaluated again and made in the order of their gains; the faces near a change are
 //! visited again in the next round.
