@@ -61,7 +61,7 @@ impl fmt::Display for Source {
     }
 }
 
-/// Where a surface comes from.
+/// The source of a surface.
 #[derive(Clone, Debug)]
 pub enum Input {
     File(PathBuf),
