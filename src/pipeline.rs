@@ -1,9 +1,17 @@
 //! The whole method: from a triangle surface to a quad-dominant mesh.
 //!
 //! # Theory
-//! The paper's abstract and sections 2 and 3: a mosaic of equal square tiles, turned along a field, covers the surface;
-//! the tiles' centres are connected up, down, left and right; holes are filled by patterns; clean-up turns triangles
-//! into quads.
+//! The paper's abstract and sections 2 and 3: a mosaic of equal square tiles, aligned with a field, covers the surface. The
+//! tiles' centres are connected up, down, left and right, holes are filled by patterns, and clean-up turns triangles into
+//! quads.
+//!
+//! # Changes versus the paper
+//! The mosaic is made here, by a periodic solve. Clean-up is one of several operations on the connectivity. Vertices are
+//! relocated, remaining faults are untangled, and the mesh is compared with the surface. See [`paper`](crate::paper).
+//!
+//! # Practice
+//! Call [`run`] with [`Options::new`]. Then check [`Meshed::faults`] and [`Meshed::differences`]: a mesh with either is returned
+//! all the same.
 
 use crate::compute::{Backend, ComputeError};
 use crate::field::{Align, Field, FieldOptions, Stretch, StretchError};
@@ -24,50 +32,50 @@ use crate::surface::{FeatureOptions, NamedEdge, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// How fine the mesh is to be.
+/// The fineness of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fineness {
-    /// This many vertices.
+    /// A number of vertices.
     Points(usize),
-    /// As many as equal tiles of this side, in model units, cover the surface.
+    /// The number of equal tiles of this side, in model units, that cover the surface.
     Size(f64),
-    /// As many as tiles of the sizes that samples give, in model units, cover the surface.
+    /// The number of tiles of the sizes of the samples, in model units, that cover the surface.
     Sampled,
 }
 
-/// What the method can be told.
+/// Options of the method.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// How fine the mesh is to be.
+    /// The fineness of the mesh.
     pub fineness: Fineness,
-    /// What counts as a feature.
+    /// The features of the surface.
     pub features: FeatureOptions,
-    /// Edges of the surface that are features whatever their angle.
+    /// Edges of the surface that are features at any angle.
     pub edges: Vec<NamedEdge>,
-    /// What draws the field beside features.
+    /// The constraints of the field beside features.
     pub field: FieldOptions,
     /// Whether rows of tiles may end.
     pub rows: Rows,
-    /// How far sides follow the field so that rows need not end, from 0 (not at all) to 1. Default 0.
+    /// The degree to which the sides of tiles follow the field so that fewer rows end, from 0 (not at all) to 1. Default 0.
     pub fit: f64,
     /// The largest side over the mean one, and the mean over the smallest, that fitting may ask for. Default 2.5.
     pub fit_range: f64,
     /// The longer side of a tile, which lies along the guides, over the shorter one, from 1 to 20. Default 1: squares.
     pub aspect: f64,
-    /// Where tiles are to be smaller or larger than elsewhere.
+    /// The wanted sizes of tiles.
     pub sizes: SizeOptions,
-    /// When two tiles are connected.
+    /// The constraints of edges between tiles.
     pub connect: ConnectOptions,
-    /// What to do with holes.
+    /// The way in which holes are filled.
     pub holes: Holes,
-    /// How the connectivity is optimised; `None`: the mesh stays as the filling leaves it.
+    /// Options of the connectivity optimisation; `None`: no edits, the connectivity stays as it is after filling.
     pub connectivity: Option<ConnectivityOptions>,
     /// Passes of relocation. Default 6; 0: vertices stay where the tiles were.
     pub smoothing: usize,
 }
 
 impl Options {
-    /// The defaults, at this fineness.
+    /// The default options at a fineness.
     pub fn new(fineness: Fineness) -> Self {
         Self {
             fineness,
@@ -85,34 +93,32 @@ impl Options {
             smoothing: 6,
         }
     }
-}
 
-impl Options {
-    /// The same with the paper's clean-up alone.
+    /// The same options with the paper's clean-up as the only operation on the connectivity.
     pub fn with_paper_clean_up(self) -> Self {
         let paper = ConnectivityOptions { quads: Quads::Paper, ..self.connectivity.unwrap_or_default() };
         Self { connectivity: Some(paper), ..self }
     }
 }
 
-/// A step of the way, in order.
+/// A stage of the method, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Welding, orientation, adjacency, features.
     Surface,
     /// The cross field.
     Field,
-    /// Sowing and relaxing tiles.
+    /// Laying and relaxing tiles.
     Mosaic,
     /// Triangulating the tiles and choosing edges.
     Connect,
-    /// Splitting holes.
+    /// Filling holes.
     Fill,
-    /// Optimising the connectivity: clean-up, pairing of triangles, cutting poor quads anew.
+    /// Optimising the connectivity: pairing triangles, recutting poor quads.
     Connectivity,
-    /// Relocation of vertices, and mending of faults.
+    /// Relocating vertices, and untangling faults.
     Relocate,
-    /// Regions, joined sheets, comparison with the surface.
+    /// Regions, joining of sheets, comparison with the surface.
     Finish,
 }
 
@@ -132,7 +138,7 @@ impl Stage {
     }
 }
 
-/// Why no mesh was made.
+/// The reason why no mesh was made.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PipelineError {
@@ -142,18 +148,18 @@ pub enum PipelineError {
     /// The backend failed.
     #[error(transparent)]
     Compute(#[from] ComputeError),
-    /// The asked sizes make no sense.
+    /// The wanted sizes are invalid.
     #[error(transparent)]
     Sizes(#[from] SizesError),
-    /// Tiles cannot be rectangles as asked.
+    /// Tiles cannot have the wanted aspect.
     #[error(transparent)]
     Stretch(#[from] StretchError),
-    /// The asked fineness makes no sense.
+    /// The wanted fineness is invalid; the text says why.
     #[error("{0}")]
     Fineness(String),
 }
 
-/// Everything that the method made on the way; coordinates are unit-sized but for those of meshes.
+/// The results of all stages. Coordinates are unit-sized, but for those of meshes, which are in model units.
 pub struct Outcome {
     /// The surface.
     pub surface: Surface,
@@ -163,47 +169,46 @@ pub struct Outcome {
     pub mosaic: Mosaic,
     /// Their triangulation.
     pub triangulation: Triangulation,
-    /// How the tiles became a mesh.
+    /// The mesh.
     pub meshed: Meshed,
-    /// How long each stage took.
+    /// The time of each stage.
     pub times: Vec<(Stage, Duration)>,
 }
 
-/// What connecting tiles gives: a part of [`Outcome`].
+/// The results of the stages from [`Stage::Connect`] on.
 pub struct Meshed {
-    /// The mesh before its connectivity was optimised, in model units.
+    /// The mesh before the connectivity optimisation, in model units.
     pub before: Mesh,
-    /// Holes of the connected mosaic, before they were filled.
+    /// The number of holes of the connected mosaic before filling.
     pub holes: usize,
-    /// The edits of the connectivity; `None` where none were asked for.
+    /// The numbers of edits of the connectivity; `None` without the optimisation.
     pub edits: Option<EditCounts>,
     /// The mesh, in model units.
     pub mesh: Mesh,
     /// Whether sheets of the surface meet at each of its vertices.
     pub branches: Vec<bool>,
-    /// The mesh's broken invariants, each with its place in model units.
+    /// The broken invariants of the mesh, with places in model units.
     pub faults: Faults,
-    /// What the mesh as a whole has otherwise than the surface.
+    /// The global differences between the mesh and the surface.
     pub differences: Vec<Difference>,
 }
 
-/// The price of irregular vertices where rows are continuous: see [`ConnectivityOptions::regularity`].
-const REGULARITY: f64 = 1.0;
-/// Sweeps of the field that sides follow: they draw its angle to a harmonic one, which sides can fit. With 10, 60 and 150 of
-/// them and continuous rows Qg was 0.944, 0.948 and 0.952 on spot and 0.942, 0.945 and 0.946 on holes_cgal.
+/// The least [`ConnectivityOptions::regularity`] where rows are continuous.
+const CONTINUOUS_REGULARITY: f64 = 1.0;
+/// The least number of sweeps of a field that sides follow: sides fit a harmonic angle best.
 const HARMONIC_SWEEPS: u32 = 150;
-/// Rounds of mending and relocation at most.
-const MENDING_ROUNDS: usize = 3;
-/// Sizes are seen at vertices, and where these show small ones the surface gets more vertices: so often at most.
-const ROUNDS_OF_SIZES: usize = 4;
+/// The most rounds of untangling and relocation.
+const UNTANGLING_ROUNDS: usize = 3;
+/// The most rounds in which the surface is divided where sizes, known at vertices, are small.
+const SIZE_ROUNDS: usize = 4;
 
-/// Fewest and most vertices that can be asked for.
+/// The numbers of vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 
-/// Meshes a soup of triangles. `progress` is told each stage as it begins, and how far it is, from 0 to 1.
+/// Meshes a soup of triangles. `progress` receives each stage and the share of it that is done, from 0 to 1.
 ///
 /// # Errors
-/// Where the surface cannot be meshed, the fineness makes no sense, or the backend fails.
+/// Where the surface cannot be meshed, the options are invalid, or the backend fails.
 pub fn run(
     soup: &Soup,
     options: &Options,
@@ -229,7 +234,7 @@ pub fn run(
     Ok(Outcome { surface, field, mosaic, triangulation, meshed, times })
 }
 
-/// Connects tiles that are triangulated already: as [`run`] does, but for what comes before.
+/// The stages of [`run`] from [`Stage::Connect`] on, for tiles that are triangulated already.
 pub fn connected(surface: &Surface, mosaic: &Mosaic, triangulation: &Triangulation, options: &Options) -> Meshed {
     let mut clock = Clock { progress: &|_, _| (), times: Vec::new(), started: Instant::now() };
     meshed(surface, mosaic, triangulation, options, &mut clock)
@@ -256,7 +261,7 @@ fn meshed(
     clock.begin(Stage::Relocate);
     relocate(&context, &mut mesh, options.smoothing);
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits) {
-        mend(&context, &mut mesh, &connectivity, options.smoothing, edits);
+        untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
     }
 
     clock.begin(Stage::Finish);
@@ -264,7 +269,7 @@ fn meshed(
     Meshed { before, holes, edits, mesh, branches, faults, differences }
 }
 
-/// The options of the connectivity, with what the mesh before and the other options add to them.
+/// The options of the connectivity optimisation, completed by the mesh before it and by the other options.
 fn connectivity(options: &Options, before: &Mesh) -> Option<ConnectivityOptions> {
     let given = options.connectivity?;
     let excess = match options.fineness {
@@ -273,20 +278,20 @@ fn connectivity(options: &Options, before: &Mesh) -> Option<ConnectivityOptions>
     };
     let regularity = match options.rows {
         Rows::Paper => given.regularity,
-        Rows::Continuous => given.regularity.max(REGULARITY),
+        Rows::Continuous => given.regularity.max(CONTINUOUS_REGULARITY),
     };
     Some(ConnectivityOptions { excess, regularity, ..given })
 }
 
-/// Mends faults in turns with relocation, until there are none or nothing helps.
-fn mend(
+/// Untangles faults and relocates vertices in turns, until no fault is left or no edit helps.
+fn untangle_and_relocate(
     context: &Context,
     mesh: &mut SurfaceMesh,
     options: &ConnectivityOptions,
     passes: usize,
     edits: &mut EditCounts,
 ) {
-    for _ in 0..MENDING_ROUNDS {
+    for _ in 0..UNTANGLING_ROUNDS {
         if !untangle(context, mesh, options, edits) {
             break;
         }
@@ -294,10 +299,10 @@ fn mend(
     }
 }
 
-/// The surface, with the features that tiles so fine can show, how large they are to be, and how many vertices are wanted.
+/// The surface with the features that tiles of this fineness resolve, the sizes of the tiles, and the wanted number of vertices.
 ///
 /// # Errors
-/// Where the surface cannot be meshed or the fineness, the sizes or the aspect make no sense.
+/// Where the surface cannot be meshed, or the fineness, the sizes or the aspect are invalid.
 pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize), PipelineError> {
     expect_stretchable(options)?;
     let features = &options.features;
@@ -307,7 +312,7 @@ pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize)
     let mut surface = surface.fitted(features, side);
     let mut wanted = options.sizes.on(&surface, f64::from(side));
     let mut sizes = wanted.sizes(&surface, count)?;
-    for _ in 0..ROUNDS_OF_SIZES {
+    for _ in 0..SIZE_ROUNDS {
         let longest = mosaic::longest_edges(&surface, &sizes, count, options.aspect);
         let middles;
         (surface, middles) = surface.divided(longest, features);
@@ -320,11 +325,11 @@ pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize)
     Ok((surface, sizes, count))
 }
 
-/// The field that `count` tiles would be laid along, curvature being seen at their scale, and the sizes of the tiles: these,
-/// and if asked those that fit the field.
+/// The field for `count` tiles. Curvature is measured at their scale. The field has the sizes of the tiles: `sizes`, times those
+/// that fit the field with [`Options::fit`].
 ///
 /// # Errors
-/// Where the backend fails, or tiles cannot be stretched as asked.
+/// Where the backend fails, or tiles cannot have the wanted aspect.
 pub fn field(
     surface: &Surface,
     sizes: Sizes,
@@ -337,7 +342,7 @@ pub fn field(
     let sweeps = if options.fit > 0.0 { HARMONIC_SWEEPS.max(options.field.sweeps) } else { options.field.sweeps };
     let field = Field::new(surface, &FieldOptions { align, sweeps, ..options.field.clone() }, backend)?;
     if options.aspect != 1.0 {
-        // Of equal tiles: where sizes vary it is their mean side.
+        // The side of equal tiles; where sizes vary, it is the mean side.
         let side = f64::from(mosaic::side_for_count(surface, count));
         let stretch = Stretch::new(surface, &field, &options.field.guides, options.aspect, side, backend)?;
         return Ok(field.with_sizes(sizes).with_stretch(stretch));
@@ -353,7 +358,7 @@ pub fn field(
     Ok(field.with_sizes(sizes.times(&fitting)))
 }
 
-/// A mosaic of nearly `count` tiles; `progress` is told how far it is, from 0 to 1.
+/// A mosaic of nearly `count` tiles; `progress` receives the share that is done, from 0 to 1.
 ///
 /// # Errors
 /// Where the backend fails.
@@ -368,7 +373,7 @@ pub fn lay(
     MosaicBuilder { surface, field, backend, effort: Effort::default(), rows: options.rows, progress }.with_count(count)
 }
 
-/// Before long work: what can be known of the aspect without the surface.
+/// Checks the aspect before the surface is read, as the rest takes long.
 fn expect_stretchable(options: &Options) -> Result<(), StretchError> {
     StretchError::of_aspect(options.aspect)?;
     match options.aspect == 1.0 {
@@ -378,7 +383,7 @@ fn expect_stretchable(options: &Options) -> Result<(), StretchError> {
     }
 }
 
-/// How many vertices that makes.
+/// The number of vertices of a fineness.
 fn count(surface: &Surface, options: &Options) -> Result<usize, PipelineError> {
     match options.fineness {
         Fineness::Points(count) if POINTS.contains(&count) => Ok(count),
@@ -414,6 +419,7 @@ fn count(surface: &Surface, options: &Options) -> Result<usize, PipelineError> {
     }
 }
 
+/// Measures the times of stages and reports their progress.
 struct Clock<'a> {
     progress: &'a dyn Fn(Stage, f32),
     times: Vec<(Stage, Duration)>,

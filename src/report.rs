@@ -1,4 +1,7 @@
-//! Reports on meshes, fields and mosaics, for programs to read; the command line prints the same for people.
+//! Reports on meshes, fields and mosaics as records that can be written as JSON. The command line prints the same figures.
+//!
+//! # Practice
+//! Compare [`Report::version`] with [`VERSION`] before the fields are read.
 
 use crate::compute::Backend;
 use crate::field::{self, Field, GuideReport, SingularityLocation, StretchReport};
@@ -16,47 +19,47 @@ use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::time::Duration;
 
-/// The version of [`Report`]'s fields. It grows when a field changes its meaning or goes; new fields leave it as it is.
+/// The version of [`Report`]'s fields. It grows where a field changes its meaning or is removed, not where one is added.
 pub const VERSION: u32 = 4;
 
 const PROGRAM: &str = concat!("quadmosaic ", env!("CARGO_PKG_VERSION"));
 
-/// A run in figures.
+/// A report on a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// [`VERSION`].
     pub version: u32,
     /// The program's name and version.
     pub program: String,
-    /// What was read.
+    /// The surface.
     pub surface: Input,
-    /// What was asked for.
+    /// The wanted fineness.
     pub asked: Asked,
-    /// Where the heavy stages ran.
+    /// The backend of the heavy stages.
     pub backend: Device,
     /// The cross field.
     pub field: FieldFigures,
     /// The mosaic.
     pub mosaic: Tiles,
-    /// Measures of the mesh before the clean-up and the smoothing.
+    /// Measures of the mesh before the connectivity optimisation and the relocation.
     pub before: Quality,
     /// Measures of the mesh.
     pub mesh: Quality,
     /// Irregular vertices of the mesh, and those that the field demands.
     pub regularity: Regularity,
-    /// The edits of the connectivity; absent where none were asked for.
+    /// The numbers of edits of the connectivity; absent without the optimisation.
     pub edits: Option<EditCounts>,
-    /// Broken invariants of the mesh, each with its place in model units.
+    /// Broken invariants of the mesh, with places in model units.
     pub faults: Faults,
-    /// What the mesh as a whole has otherwise than the surface.
+    /// Global differences between the mesh and the surface.
     pub differences: Vec<Difference>,
-    /// How long each stage took, in order.
+    /// The time of each stage, in order.
     pub times: Vec<Time>,
-    /// Milliseconds of all stages together.
+    /// The time of all stages, in milliseconds.
     pub total_milliseconds: f64,
 }
 
-/// What was read.
+/// A surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct Input {
     /// The file's path or the example's name.
@@ -67,7 +70,7 @@ pub struct Input {
     pub vertices: usize,
     /// Diagonal of its bounding box, in model units.
     pub diagonal: f64,
-    /// The repairs that were made.
+    /// The repairs that were made on it.
     pub repairs: Repairs,
     /// Feature curves: creases and open boundaries between corners.
     pub curves: usize,
@@ -75,19 +78,19 @@ pub struct Input {
     pub corners: usize,
 }
 
-/// What was asked for: one of the two.
+/// The wanted fineness.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Asked {
-    /// So many vertices.
+    /// The number of vertices.
     Points(usize),
-    /// Tiles of this side, in model units.
+    /// The side of tiles, in model units.
     Size(f64),
-    /// Tiles of the sizes that samples give.
+    /// The sizes of tiles are those of the samples.
     Sampled,
 }
 
-/// Where the heavy stages ran.
+/// The backend of the heavy stages.
 #[derive(Clone, Debug, Serialize)]
 pub struct Device {
     /// `cpu` or `gpu`.
@@ -103,9 +106,9 @@ pub struct FieldFigures {
     pub singularities: Vec<Singularity>,
     /// The sum of their indices: the Euler characteristic.
     pub index_sum: f64,
-    /// What became of each guide.
+    /// The effect of each guide.
     pub guides: Vec<GuideReport>,
-    /// What became of the asked aspect of tiles, unless that is 1.
+    /// The effect of the wanted aspect of tiles; absent where that is 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stretch: Option<StretchReport>,
 }
@@ -113,11 +116,11 @@ pub struct FieldFigures {
 /// A singularity.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Singularity {
-    /// Where, in model units.
+    /// Its place, in model units.
     pub at: [f64; 3],
-    /// The turn of the field around it, in full turns: a multiple of a quarter.
+    /// Its index: the turn of the field round it, in full turns; a multiple of a quarter.
     pub index: f64,
-    /// Whether it is a corner of features, by its angles, and not a singularity of the field itself.
+    /// Whether it is a corner of features, whose angles give its index, and no singularity of the field inside the surface.
     pub on_feature: bool,
 }
 
@@ -128,15 +131,15 @@ pub struct Tiles {
     pub tiles: usize,
     /// Those of them that lie on features.
     pub on_features: usize,
-    /// Holes (faces of more than four sides) of the connected mosaic, before they were filled.
+    /// Holes (faces of more than four sides) of the connected mosaic before filling.
     pub holes: usize,
-    /// Ends of rows before and after they were cancelled, and the length of the paths; absent where no row crosses another.
+    /// Row ends before and after the cancellation, and the length of its paths; absent where no row crosses another.
     pub row_ends: Option<RowEnds>,
-    /// How much the sides of the tiles differ.
+    /// The differences between the sides of the tiles.
     pub sides: Option<Sides>,
 }
 
-/// How much the sides of tiles differ.
+/// The differences between the sides of tiles.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Sides {
     /// The smallest over the mean.
@@ -164,12 +167,12 @@ impl Sides {
     }
 }
 
-/// Vertices inside the surface at which other than four faces meet, and why.
+/// The irregular vertices, which lie inside the surface and have other than four faces.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Regularity {
     /// Those of the mesh.
     pub irregular: usize,
-    /// Those that the field demands: its singularities, corners of features inside the surface being some of them.
+    /// Those that the field demands: its singularities, and corners of features inside the surface.
     pub demanded: usize,
     /// The difference: negative where singularities share a vertex.
     pub surplus: i64,
@@ -188,7 +191,7 @@ impl Regularity {
     }
 }
 
-/// How long a stage took.
+/// The time of a stage.
 #[derive(Clone, Debug, Serialize)]
 pub struct Time {
     /// The stage's name.
@@ -198,7 +201,7 @@ pub struct Time {
 }
 
 impl Report {
-    /// Measures and checks what [`run`](crate::pipeline::run) made of the surface called `name`.
+    /// The report on a run, [`run`](crate::pipeline::run), with the surface called `name`.
     pub fn new(name: &str, options: &Options, backend: &dyn Backend, outcome: &Outcome) -> Self {
         let (surface, meshed) = (&outcome.surface, &outcome.meshed);
         let times: Vec<Time> = outcome.times.iter().map(|&(stage, time)| Time::new(stage.name(), time)).collect();
@@ -228,7 +231,7 @@ impl Report {
         }
     }
 
-    /// Adds the times of what came before and after the pipeline: reading, writing and the like.
+    /// Adds times before and after the pipeline, such as those of reading and writing.
     pub fn with_times(mut self, before: &[(&'static str, Duration)], after: &[(&'static str, Duration)]) -> Self {
         let times = |list: &[(&'static str, Duration)]| -> Vec<Time> {
             list.iter().map(|&(stage, time)| Time::new(stage, time)).collect()
@@ -240,23 +243,23 @@ impl Report {
     }
 }
 
-/// A field in figures.
+/// A report on a field.
 #[derive(Clone, Debug, Serialize)]
 pub struct FieldReport {
     /// [`VERSION`].
     pub version: u32,
     /// The program's name and version.
     pub program: String,
-    /// What was read.
+    /// The surface.
     pub surface: Input,
-    /// Where the heavy stages ran.
+    /// The backend of the heavy stages.
     pub backend: Device,
     /// The cross field.
     pub field: FieldFigures,
 }
 
 impl FieldReport {
-    /// Measures the field of the surface called `name`.
+    /// The report on the field of the surface called `name`.
     pub fn new(name: &str, backend: &dyn Backend, surface: &Surface, field: &Field) -> Self {
         Self {
             version: VERSION,
@@ -268,18 +271,18 @@ impl FieldReport {
     }
 }
 
-/// A mosaic in figures.
+/// A report on a mosaic.
 #[derive(Clone, Debug, Serialize)]
 pub struct MosaicReport {
     /// [`VERSION`].
     pub version: u32,
     /// The program's name and version.
     pub program: String,
-    /// What was read.
+    /// The surface.
     pub surface: Input,
-    /// What was asked for.
+    /// The wanted fineness.
     pub asked: Asked,
-    /// Where the heavy stages ran.
+    /// The backend of the heavy stages.
     pub backend: Device,
     /// The cross field.
     pub field: FieldFigures,
@@ -287,12 +290,12 @@ pub struct MosaicReport {
     pub tiles: usize,
     /// Those of them that lie on features.
     pub on_features: usize,
-    /// How well they sit.
+    /// Their coverage, overlap and straightness.
     pub fit: TileQuality,
 }
 
 impl MosaicReport {
-    /// Says what there is to say about the mosaic, and its fit, of the surface called `name`.
+    /// The report on the mosaic, with its fit, of the surface called `name`.
     pub fn new(
         name: &str,
         options: &Options,
@@ -314,34 +317,34 @@ impl MosaicReport {
     }
 }
 
-/// A mesh, checked and measured.
+/// A report on a mesh.
 #[derive(Clone, Debug, Serialize)]
 pub struct CheckReport {
     /// [`VERSION`].
     pub version: u32,
     /// The program's name and version.
     pub program: String,
-    /// What the mesh is called.
+    /// The mesh's name.
     pub name: String,
     /// Measures of the mesh; absent where its faces name missing vertices.
     pub mesh: Option<Quality>,
-    /// Broken invariants of the mesh, each with its place in model units.
+    /// Broken invariants of the mesh, with places in model units.
     pub faults: Faults,
-    /// What it was compared with; absent where it was with nothing.
+    /// The comparison with a surface; absent without a surface.
     pub against: Option<Against>,
 }
 
-/// What a mesh was compared with, and how it differs.
+/// The comparison of a mesh with a surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct Against {
     /// The surface.
     pub surface: Input,
-    /// How the mesh differs from it; absent where the mesh has nothing that could be compared.
+    /// The comparison; absent where the mesh has no extent, or its vertices are missing or not finite.
     pub comparison: Option<Comparison>,
 }
 
 impl CheckReport {
-    /// Checks and measures the mesh called `name`, and compares it with a surface and its name where there is one.
+    /// The report on the mesh called `name`; `against` is the name and the surface to compare it with.
     pub fn new(name: &str, mesh: &Mesh, against: Option<(&str, &Surface)>) -> Self {
         let (faults, against) = match against {
             None => (check(mesh), None),
@@ -361,7 +364,7 @@ impl CheckReport {
         }
     }
 
-    /// What the mesh as a whole has otherwise than the surface.
+    /// Global differences between the mesh and the surface; none without a surface.
     pub fn differences(&self) -> &[Difference] {
         let comparison = self.against.as_ref().and_then(|against| against.comparison.as_ref());
         comparison.map_or(&[], |comparison| &comparison.differences)

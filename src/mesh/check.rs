@@ -1,8 +1,8 @@
-//! What a mesh must hold, and where it does not.
+//! The invariants of a mesh, and where it breaks them.
 
 use super::Mesh;
 use super::quality::quad_shape;
-use super::topology::{Connections, Topology};
+use super::topology::{Connectivity, Topology};
 use crate::surface::shown;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -34,18 +34,18 @@ pub enum Kind {
     DegenerateFace { face: u32, area: f64 },
     /// A corner of the quad is straight or reflex against the quad's normal.
     ConcaveQuad { face: u32 },
-    /// The face looks away from the surface that is nearest to its middle.
+    /// The face is inverted: its normal points against the nearest sheet of the surface.
     FlippedFace { face: u32 },
-    /// A boundary of so many sides, from this vertex on, is none of the surface's.
+    /// A boundary loop of so many sides, the first at this vertex, is no boundary of the surface.
     Hole { vertex: u32, sides: u32 },
-    /// The vertex is farther from the surface than a mean edge is long: so many mean edge lengths.
+    /// The vertex is more than one mean edge length from the surface; the distance is in mean edge lengths.
     StrayVertex { vertex: u32, distance: f64 },
 }
 
-/// A broken invariant and its place.
+/// A broken invariant with its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Fault {
-    /// What is broken, with the ids of vertices, edge or face.
+    /// The invariant, with the ids of vertices, edge or face.
     pub kind: Kind,
     /// The vertex, the middle of the edge or the mean of the vertices of the face or the hole.
     pub at: [f64; 3],
@@ -74,31 +74,31 @@ impl fmt::Display for Fault {
     }
 }
 
-/// What [`check`] found.
+/// The result of [`check`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Faults {
     /// Every broken invariant, by kind and then by id.
     pub list: Vec<Fault>,
-    /// Vertices in use - edges + faces.
+    /// The Euler characteristic: vertices in use - edges + faces.
     pub euler: i64,
     /// Number of closed boundary curves.
     pub boundary_loops: usize,
-    /// Number of pieces that no edge or vertex joins.
+    /// Number of connected components; faces that share a vertex are connected.
     pub components: usize,
 }
 
 impl Faults {
-    /// Whether nothing is broken.
+    /// Whether there are no faults.
     pub fn is_clean(&self) -> bool {
         self.list.is_empty()
     }
 
-    /// How many faults satisfy `which`.
+    /// The number of faults that satisfy `which`.
     pub fn count(&self, which: impl Fn(&Kind) -> bool) -> usize {
         self.list.iter().filter(|fault| which(&fault.kind)).count()
     }
 
-    /// How many triangles would cover all holes.
+    /// The number of triangles that would cover all holes.
     pub fn hole_triangles(&self) -> usize {
         let covering = |fault: &Fault| match fault.kind {
             Kind::Hole { sides, .. } => (sides as usize).saturating_sub(2).max(1),
@@ -134,21 +134,22 @@ impl fmt::Display for Faults {
     }
 }
 
-/// Lists every broken invariant of a mesh, each with its place.
+/// Lists the broken invariants of a mesh, each with its place.
 ///
-/// Where a face names a missing vertex, only such faces are listed: nothing else can be told.
+/// Where faces name missing vertices, only these faces are listed: the other invariants are undefined.
 pub fn check(mesh: &Mesh) -> Faults {
     check_joined(mesh, &[])
 }
 
-/// As [`check`], but vertices that `branches` marks may have several fans, and edges between two of them any faces.
+/// As [`check`], for a mesh that may branch: vertices that `branches` marks may have several fans, and edges between two such
+/// vertices may have any number of faces.
 pub fn check_joined(mesh: &Mesh, branches: &[bool]) -> Faults {
     let may_branch = |vertex: u32| branches.get(vertex as usize).copied().unwrap_or_default();
     let missing = missing_vertices(mesh);
     if !missing.is_empty() {
         return Faults { list: missing, ..Faults::default() };
     }
-    let Connections { edges, fans, topology, .. } = Connections::of(mesh);
+    let Connectivity { edges, fans, topology, .. } = Connectivity::of(mesh);
     let middle = |ends: [u32; 2]| mesh.middle(&ends).to_array();
 
     let mut list: Vec<Fault> = (0_u32..)
@@ -184,7 +185,7 @@ pub fn check_joined(mesh: &Mesh, branches: &[bool]) -> Faults {
     Faults { list, euler, boundary_loops, components }
 }
 
-/// Puts faults in the order of [`Faults::list`].
+/// Sorts faults as in [`Faults::list`].
 pub(super) fn sort(list: &mut [Fault]) {
     list.sort_by(|a, b| a.kind.partial_cmp(&b.kind).unwrap_or(Ordering::Equal));
 }

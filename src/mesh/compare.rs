@@ -1,33 +1,20 @@
-//! How a mesh differs from the surface that it stands for.
+//! The comparison of a mesh with the surface that it approximates.
+//!
+//! # Theory
+//! The topologies are compared by their Euler characteristics, boundary loops and components. The Hausdorff distance is
+//! estimated in both directions: from the mesh's vertices and the middles of its edges and faces to the surface, and from the
+//! surface's vertices and the middles of its triangles to the mesh, polygons being fans of triangles. Feature edges are
+//! sampled at their ends and at three points between. The surface is welded and oriented first, so a surface that is given
+//! inside out is no fault of its mesh. Where its sheets meet, the mesh may branch as the surface does.
 //!
 //! # Practice
-//! Distances are in mean edge lengths of the mesh. The mesh is seen at its vertices and the middles of its edges and faces,
-//! the surface at its vertices and the middles of its triangles, and each feature edge of it at its ends and three points
-//! between; polygons are taken as fans of triangles. What is compared is the surface as the mesher sees it: welded, oriented,
-//! with its sheets joined where they meet. There the mesh may branch as the surface does.
-//!
-//! The figures, with those of [`quality`](super::quality) and [`check`], agree with those of an independent judge, `meter.py`,
-//! which shares no code with this. The largest difference of any figure, in mean edge lengths or shares, on meshes of 6,000
-//! vertices of four models (an M6 wing, and the models known as fandisk, spot and a CGAL part with holes):
-//!
-//! | mesh | largest difference | counts that differ |
-//! |---|---|---|
-//! | as it is | 3.1e-6 | none |
-//! | a face removed | 3.1e-6 | none |
-//! | a face flipped | 3.1e-6 | non-manifold vertices: 1 to 3 by the judge, none here |
-//! | a vertex doubled | 3.1e-6 | none |
-//! | a quad folded | 3.1e-6 | none |
-//! | a vertex moved by 3 edge lengths | 2.6e-6 | none |
-//!
-//! The difference is that of f32, in which the surface is kept. Round a flipped face all neighbours of a vertex are still one
-//! fan, which the judge does not see. Otherwise than by the judge, a surface is oriented first, so that a sphere given inside
-//! out is no fault of its mesh; a face beside a sharp edge is flipped only where it looks away from both sides; and what is
-//! told once is not told again: an edge of more than two faces is not misoriented too, and a degenerate quad not concave.
+//! Distances are in mean edge lengths of the mesh, with the accuracy of f32 over the bounding box. Each fault is listed once: an
+//! edge of more than two faces is not listed as misoriented too, nor a degenerate quad as concave.
 
 use super::check::{Fault, Faults, Kind, check, check_joined, sort};
 use super::orientation::Orientation;
 use super::quality::percentile;
-use super::topology::Connections;
+use super::topology::Connectivity;
 use super::{Mesh, Topology};
 use crate::surface::nearest::Simplices;
 use crate::surface::{Frame, Surface, shown};
@@ -37,19 +24,18 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 use std::fmt;
 
-/// A part of the surface that is farther from the mesh than this is lost, in mean edge lengths of the mesh.
+/// A part of the surface that is farther from the mesh than this is missing, in mean edge lengths of the mesh.
 const UNCOVERED: f64 = 1.0;
-/// A vertex that is so near to a place where the surface's sheets meet, in mean edge lengths, is on it.
+/// A vertex that is nearer to a place where sheets of the surface meet, in mean edge lengths, lies on it.
 const ON_JOINT: f64 = 0.25;
-/// A boundary of the mesh whose vertices are farther than this from the surface's, in the mean and in mean edge lengths, is
-/// a hole.
+/// A boundary loop of the mesh with a larger mean distance from the boundaries of the surface, in mean edge lengths, is a hole.
 const OFF_BOUNDARY: f64 = 0.75;
 /// A vertex that is farther than this from the surface, in mean edge lengths, is a fault.
 const OFF_SURFACE: f64 = 1.0;
 /// Diagonals that differ by more than this factor are of other units.
 const OTHER_UNIT: f64 = 2.0;
 
-/// A largest distance and where it was seen.
+/// A largest distance and its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Farthest {
     /// In mean edge lengths of the mesh.
@@ -65,7 +51,7 @@ impl Farthest {
     }
 }
 
-/// How far the surface's features are from the mesh's edges, in mean edge lengths of the mesh.
+/// Distances of the surface's features from the mesh's edges, in mean edge lengths of the mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FeatureDistance {
     /// Number of feature edges of the surface.
@@ -81,9 +67,9 @@ pub struct FeatureDistance {
 /// A mesh against a surface. The mesh's own [`Topology`] is that of its [`Faults`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// How the surface hangs together.
+    /// The topology of the surface.
     pub topology: Topology,
-    /// What the mesh as a whole has otherwise.
+    /// Global differences between the mesh and the surface.
     pub differences: Vec<Difference>,
     /// From vertices of the mesh to the surface.
     pub vertices_to_surface: Farthest,
@@ -99,19 +85,19 @@ pub struct Comparison {
     pub features: Option<FeatureDistance>,
 }
 
-/// What a mesh as a whole has otherwise than the surface.
+/// A global difference between a mesh and a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub enum Difference {
-    /// The diagonal of the mesh's bounding box is so many times the surface's: more than twice, or less than half.
+    /// The diagonal of the mesh's bounding box over the surface's: more than 2, or less than 1/2.
     Size { ratio: f64 },
-    /// The Euler characteristics.
+    /// The Euler characteristics differ.
     Euler { mesh: i64, surface: i64 },
-    /// The numbers of closed boundary curves.
+    /// The numbers of boundary loops differ.
     BoundaryLoops { mesh: usize, surface: usize },
-    /// The numbers of pieces.
+    /// The numbers of connected components differ.
     Components { mesh: usize, surface: usize },
-    /// A place of the surface is so many mean edge lengths from the mesh, more than one: a part of it is lost.
+    /// A point of the surface, in model units, is more than one mean edge length from the mesh: a part is missing.
     Uncovered { distance: f64, at: [f64; 3] },
 }
 
@@ -120,7 +106,7 @@ impl fmt::Display for Difference {
         match *self {
             Self::Size { ratio } => {
                 let (ratio, than) = if ratio > 1.0 { (ratio, "larger") } else { (1.0 / ratio, "smaller") };
-                // Two significant digits are enough to know a unit by.
+                // Two significant digits identify a unit.
                 let ratio: f64 = format!("{ratio:.1e}").parse().unwrap_or(ratio);
                 write!(f, "the mesh is {ratio} times {than} than the surface; are the units the same?")
             }
@@ -138,60 +124,60 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Lists every broken invariant of a mesh as [`check`] does, and those that show against the surface only: faces that look
-/// away from it, holes, and vertices off it. Both are in model units.
+/// Lists the broken invariants of a mesh as [`check`] does, and those that need the surface: inverted faces, holes, and
+/// vertices off the surface. Both are in model units.
 ///
-/// Where the mesh has no length, or its faces name vertices that are missing or nowhere, nothing can be compared.
+/// The comparison is `None` where all edges have length 0, or faces name vertices that are missing or not finite.
 pub fn check_against(mesh: &Mesh, surface: &Surface) -> (Faults, Option<Comparison>) {
     let frame = surface.frame();
-    let Some(comparand) = Comparand::new(mesh, frame) else { return (check(mesh), None) };
-    let (ground, faces) = rayon::join(|| Ground::new(surface), || fan(&comparand.mesh));
+    let Some(tested) = TestedMesh::new(mesh, frame) else { return (check(mesh), None) };
+    let (reference, faces) = rayon::join(|| ReferenceSurface::new(surface), || fan(&tested.mesh));
 
-    let mut faults = check_joined(mesh, &comparand.branches(&ground));
-    let from_vertices = comparand.vertices(&ground);
-    let (from_faces, flipped) = comparand.faces(&ground);
+    let mut faults = check_joined(mesh, &tested.branches(&reference));
+    let from_vertices = tested.vertices(&reference);
+    let (from_faces, flipped) = tested.faces(&reference);
     let fault = |kind, vertices: &[u32]| Fault { kind, at: mesh.middle(vertices).to_array() };
     let flipped = flipped.iter().map(|&face| fault(Kind::FlippedFace { face }, mesh.face(face as usize)));
     faults.list.extend(flipped);
     let hole = |hole: &[u32]| fault(Kind::Hole { vertex: hole[0], sides: hole.len() as u32 }, hole);
-    faults.list.extend(comparand.holes(&ground).map(hole));
-    let strays = comparand.used.iter().zip(&from_vertices.distances).filter(|(_, distance)| **distance > OFF_SURFACE);
+    faults.list.extend(tested.holes(&reference).map(hole));
+    let strays = tested.used.iter().zip(&from_vertices.distances).filter(|(_, distance)| **distance > OFF_SURFACE);
     faults.list.extend(strays.map(|(&vertex, &distance)| fault(Kind::StrayVertex { vertex, distance }, &[vertex])));
     sort(&mut faults.list);
 
     let [vertices_to_surface, from_faces] = [from_vertices, from_faces].map(|from| from.farthest(frame));
-    let to_surface = vertices_to_surface.or(comparand.edges(&ground).farthest(frame)).or(from_faces);
-    let to_mesh = comparand.distances(ground.points(), |point| faces.distance(point)).farthest(frame);
+    let to_surface = vertices_to_surface.or(tested.edges(&reference).farthest(frame)).or(from_faces);
+    let to_mesh = tested.distances(reference.points(), |point| faces.distance(point)).farthest(frame);
     let hausdorff = to_surface.distance.max(to_mesh.distance);
     let comparison = Comparison {
-        topology: ground.topology,
-        differences: comparand.differences(&ground),
+        topology: reference.topology,
+        differences: tested.differences(&reference),
         vertices_to_surface,
         to_surface,
         to_mesh,
         hausdorff,
-        hausdorff_over_diagonal: hausdorff * comparand.mean_edge,
-        features: comparand.features(surface),
+        hausdorff_over_diagonal: hausdorff * tested.mean_edge,
+        features: tested.features(surface),
     };
     (faults, Some(comparison))
 }
 
-/// What a mesh as a whole has otherwise than the surface that it was made of; the mesh is unit-sized.
+/// The topological differences between a mesh, unit-sized, and the surface that it was made of.
 pub(crate) fn differences_of(mesh: &Mesh, surface: &Surface) -> Vec<Difference> {
-    let connections = Connections::of(mesh);
-    let ground = match surface.shared_places().contains(&true) {
-        true => Connections::of(&as_mesh(surface)).topology,
+    let connectivity = Connectivity::of(mesh);
+    let reference = match surface.shared_places().contains(&true) {
+        true => Connectivity::of(&as_mesh(surface)).topology,
         false => Topology::of(surface),
     };
-    differences(connections.topology, ground)
+    differences(connectivity.topology, reference)
 }
 
-/// The farthest vertex of the surface from the mesh that was made of it, where that is more than an edge length; the mesh is
-/// unit-sized.
+/// The vertex of the surface farthest from the mesh, unit-sized, that was made of it; `None` where that is no farther than a
+/// mean edge length.
 pub(crate) fn uncovered(mesh: &Mesh, surface: &Surface) -> Option<Difference> {
     let lengths = mesh.lengths(&mesh.edges());
     let edge = lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
-    // Nearly every vertex of the surface has one of the mesh nearby; the others are measured.
+    // Most vertices of the surface have a vertex of the mesh nearby; the distance of the others is measured.
     let cell = |p: DVec3| (p / edge).floor().as_ivec3();
     let mut cells: FxHashMap<IVec3, Vec<u32>> = FxHashMap::default();
     (0..mesh.points.len() as u32).for_each(|v| cells.entry(cell(mesh.place(v))).or_default().push(v));
@@ -237,7 +223,7 @@ fn differences(mesh: Topology, surface: Topology) -> Vec<Difference> {
     .collect()
 }
 
-/// Points and how far each is from something, in mean edge lengths.
+/// Points and their distances, in mean edge lengths.
 struct Distances {
     points: Vec<DVec3>,
     distances: Vec<f64>,
@@ -256,21 +242,21 @@ impl Distances {
 }
 
 /// The surface, its sheets joined, in unit-sized coordinates.
-struct Ground<'a> {
+struct ReferenceSurface<'a> {
     mesh: Mesh,
     orientation: Orientation<'a>,
-    /// Its boundaries.
+    /// Its boundary edges.
     boundaries: Simplices<2>,
-    /// Where more than two triangles meet at an edge, or more than one fan at a vertex, which is a segment without length.
+    /// Edges of more than two triangles, and vertices of more than one fan as segments of length 0.
     joints: Simplices<2>,
     topology: Topology,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> ReferenceSurface<'a> {
     fn new(surface: &'a Surface) -> Self {
         let orientation = Orientation::new(surface);
         let (mesh, _) = rayon::join(|| as_mesh(surface), || orientation.triangles().nearest(DVec3::ZERO));
-        let Connections { edges, fans, topology, .. } = Connections::of(&mesh);
+        let Connectivity { edges, fans, topology, .. } = Connectivity::of(&mesh);
         let segment = |ends: [u32; 2]| ends.map(|end| mesh.place(end));
         let boundaries = edges.iter().filter(|edge| edge.is_boundary()).map(|edge| segment(edge.ends));
         let branching = edges.iter().filter(|edge| edge.along + edge.against > 2).map(|edge| segment(edge.ends));
@@ -284,7 +270,7 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// How far a point is from it.
+    /// The distance of a point.
     fn distance(&self, point: DVec3) -> f64 {
         self.orientation.triangles().nearest(point).1
     }
@@ -306,17 +292,17 @@ fn fan(mesh: &Mesh) -> Simplices<3> {
 }
 
 /// The mesh, in unit-sized coordinates of the surface.
-struct Comparand {
+struct TestedMesh {
     mesh: Mesh,
     /// The vertices that faces use.
     used: Vec<u32>,
-    connections: Connections,
+    connectivity: Connectivity,
     mean_edge: f64,
 }
 
-impl Comparand {
+impl TestedMesh {
     fn new(mesh: &Mesh, frame: &Frame) -> Option<Self> {
-        // Distances from triangles take products of eight lengths.
+        // The distance from a triangle takes products of eight lengths.
         const LARGEST: f64 = 1e30;
         let points: Vec<_> = mesh.points.iter().map(|&point| frame.to_unit(point)).collect();
         let somewhere = |v: &u32| points.get(*v as usize).is_some_and(|p| p.iter().all(|x| x.abs() < LARGEST));
@@ -324,50 +310,50 @@ impl Comparand {
             return None;
         }
         let mesh = Mesh { points, ..mesh.clone() };
-        let connections = Connections::of(&mesh);
-        let lengths = mesh.lengths(&connections.edges);
+        let connectivity = Connectivity::of(&mesh);
+        let lengths = mesh.lengths(&connectivity.edges);
         let mean_edge = lengths.iter().sum::<f64>() / lengths.len() as f64;
-        let used = (0..).zip(&connections.fans).filter(|(_, fans)| **fans > 0).map(|(v, _)| v).collect();
-        (mean_edge > 0.0).then_some(Self { mesh, used, connections, mean_edge })
+        let used = (0..).zip(&connectivity.fans).filter(|(_, fans)| **fans > 0).map(|(v, _)| v).collect();
+        (mean_edge > 0.0).then_some(Self { mesh, used, connectivity, mean_edge })
     }
 
-    /// Which vertices are where the surface's sheets meet.
-    fn branches(&self, ground: &Ground) -> Vec<bool> {
+    /// Whether each vertex lies where sheets of the surface meet.
+    fn branches(&self, reference: &ReferenceSurface) -> Vec<bool> {
         let mut branches = vec![false; self.mesh.points.len()];
         for &v in &self.used {
-            branches[v as usize] = ground.joints.distance(self.mesh.place(v)) < ON_JOINT * self.mean_edge;
+            branches[v as usize] = reference.joints.distance(self.mesh.place(v)) < ON_JOINT * self.mean_edge;
         }
         branches
     }
 
-    /// The boundaries that are none of the surface's.
-    fn holes<'a>(&'a self, ground: &Ground) -> impl Iterator<Item = &'a [u32]> {
+    /// The boundary loops that are no boundaries of the surface.
+    fn holes<'a>(&'a self, reference: &ReferenceSurface) -> impl Iterator<Item = &'a [u32]> {
         let is_hole = |vertices: &&[u32]| {
-            let total: f64 = vertices.iter().map(|&v| ground.boundaries.distance(self.mesh.place(v))).sum();
+            let total: f64 = vertices.iter().map(|&v| reference.boundaries.distance(self.mesh.place(v))).sum();
             total > OFF_BOUNDARY * self.mean_edge * vertices.len() as f64
         };
-        self.connections.loops.iter().map(Vec::as_slice).filter(is_hole)
+        self.connectivity.loops.iter().map(Vec::as_slice).filter(is_hole)
     }
 
-    /// How far the vertices in use are from the surface.
-    fn vertices(&self, ground: &Ground) -> Distances {
+    /// Distances of the vertices in use from the surface.
+    fn vertices(&self, reference: &ReferenceSurface) -> Distances {
         let points = self.used.iter().map(|&v| self.mesh.place(v)).collect();
-        self.distances(points, |point| ground.distance(point))
+        self.distances(points, |point| reference.distance(point))
     }
 
-    /// How far the middles of the edges are from the surface.
-    fn edges(&self, ground: &Ground) -> Distances {
-        let middles = self.connections.edges.iter().map(|edge| self.mesh.middle(&edge.ends)).collect();
-        self.distances(middles, |point| ground.distance(point))
+    /// Distances of the middles of edges from the surface.
+    fn edges(&self, reference: &ReferenceSurface) -> Distances {
+        let middles = self.connectivity.edges.iter().map(|edge| self.mesh.middle(&edge.ends)).collect();
+        self.distances(middles, |point| reference.distance(point))
     }
 
-    /// How far the middles of the faces are from the surface, and which faces look away from it.
-    fn faces(&self, ground: &Ground) -> (Distances, Vec<u32>) {
+    /// Distances of the middles of faces from the surface, and the inverted faces.
+    fn faces(&self, reference: &ReferenceSurface) -> (Distances, Vec<u32>) {
         let of_face = |face: u32| {
             let corners = self.mesh.face(face as usize);
             let middle = self.mesh.middle(corners);
-            let vote = ground.orientation.vote(self.normal(corners), middle);
-            (middle, vote.distance / self.mean_edge, vote.is_against.then_some(face))
+            let nearest = reference.orientation.nearest_sheets(self.normal(corners), middle);
+            (middle, nearest.distance / self.mean_edge, nearest.are_opposed.then_some(face))
         };
         let found: Vec<_> = (0..self.mesh.face_count() as u32).into_par_iter().map(of_face).collect();
         let flipped = found.iter().filter_map(|found| found.2).collect();
@@ -387,17 +373,17 @@ impl Comparand {
         Distances { points, distances }
     }
 
-    fn differences(&self, ground: &Ground) -> Vec<Difference> {
+    fn differences(&self, reference: &ReferenceSurface) -> Vec<Difference> {
         let places = || self.used.iter().map(|&v| self.mesh.place(v));
         let low = places().fold(DVec3::INFINITY, DVec3::min);
         let high = places().fold(DVec3::NEG_INFINITY, DVec3::max);
-        // The surface's is 1 in unit-sized coordinates.
+        // The surface's diagonal is 1 in unit-sized coordinates.
         let ratio = low.distance(high);
         let size = (!(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio)).then_some(Difference::Size { ratio });
-        size.into_iter().chain(differences(self.connections.topology, ground.topology)).collect()
+        size.into_iter().chain(differences(self.connectivity.topology, reference.topology)).collect()
     }
 
-    /// How far points on the surface's features are from the mesh's edges.
+    /// Distances of points on the surface's features from the mesh's edges.
     fn features(&self, surface: &Surface) -> Option<FeatureDistance> {
         let ends = |h: u32| [surface.origin(h), surface.target(h)].map(|v| surface.same_place(v));
         let half_edges = 0..3 * surface.triangle_count() as u32;
@@ -417,7 +403,7 @@ impl Comparand {
         if samples.is_empty() {
             return None;
         }
-        let of_mesh = Simplices::new(self.connections.edges.iter().map(|edge| edge.ends.map(|v| self.mesh.place(v))));
+        let of_mesh = Simplices::new(self.connectivity.edges.iter().map(|edge| edge.ends.map(|v| self.mesh.place(v))));
         let found = self.distances(samples, |point| of_mesh.distance(point));
         let max = found.farthest(surface.frame());
         let mut distances = found.distances;

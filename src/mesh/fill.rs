@@ -1,8 +1,8 @@
-//! From the connected mosaic to faces: quads as they are, holes split at least cost (the paper, section 3, figure 4).
+//! Hole filling: from the edges of the connected mosaic to faces (the paper, section 3, figure 4).
 //!
 //! # Theory
-//! A hole is a face of more than four sides. One of `k` sides is split by chords into quads and, where `k` is odd, one
-//! triangle; dynamic programming over chords finds the split of least cost. Where shape is even, these are the patterns:
+//! A hole is a face of more than four sides. A hole of `k` sides is split by chords into quads and, where `k` is odd, one
+//! triangle; dynamic programming over the chords finds the split of least cost. Regular holes get these patterns:
 //!
 //! ```text
 //!    5 sides        6 sides         7 sides             8 sides          8, a tile inside
@@ -17,13 +17,16 @@
 //!   a triangle                    a triangle
 //! ```
 //!
-//! and so on: `k / 2 - 1` quads where `k` is even, `(k - 3) / 2` and a triangle where it is odd. A quad that would fold
-//! gives way to triangles. The tile `x` had no edge: it is given two, and what is left on either side is split in its turn.
+//! An even `k` gives `k / 2 - 1` quads; an odd one gives `(k - 3) / 2` quads and a triangle. Triangles replace a quad that
+//! would be inverted or concave. The tile `x` has no edge; it gets two, and the parts on either side are split in turn.
 //!
 //! # Changes versus the paper
-//! Figure 4's patterns are not in our text, and other holes were left or triangulated; here every hole is split, of any
-//! degree. What lies inside a face is known from the [triangulation](super::triangulate): a face that is no disc, or of more
-//! sides than can be split at once, is cut along edges of the triangulation until it is.
+//! The text does not show the patterns of figure 4, and the paper leaves or triangulates other holes. Here every hole is split.
+//! The [triangulation](super::triangulate) tells what lies inside a face: a face that is no disc, or has too many
+//! sides for one dynamic programme, is first cut along edges of the triangulation.
+//!
+//! # Practice
+//! Keep [`Holes::Patterns`]. [`Holes::Triangles`] and [`Holes::Leave`] are the paper's other two ways, for comparison.
 
 use super::incidence::{sides, undirected};
 use super::intrinsic::{Intrinsic, next, previous};
@@ -36,7 +39,7 @@ use crate::surface::NONE;
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
-/// What to do with holes.
+/// The way in which holes are filled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Holes {
     /// Split into quads and at most one triangle each.
@@ -50,34 +53,35 @@ pub enum Holes {
 
 /// Holes of more sides are cut in two first.
 const LARGEST: usize = 14;
-/// The cost of a triangle, against that of a quad of shape 0.
-const TRIANGLE: f64 = 1.0;
+/// The cost of a triangle; 1 is the cost of a quad of shape 0.
+const TRIANGLE_COST: f64 = 1.0;
 /// The cost of a face that is a fault, or nearly concave.
-const FOLDED: f64 = 10.0;
+const FAULT_COST: f64 = 10.0;
 /// A quad of a smaller shape is nearly concave.
-const THIN: f64 = 0.05;
+const NEARLY_CONCAVE: f64 = 0.05;
 
-/// The faces that the edges of the mesh enclose, holes treated as asked; and how many holes there were.
+/// The mesh of the faces that the edges enclose, its holes filled, and the number of holes.
 pub fn fill(context: &Context, triangulation: &Triangulation, edges: &[bool], holes: Holes) -> (SurfaceMesh, usize) {
     let mut filler = Filler::new(context, triangulation, edges, holes);
     let count = (0..triangulation.faces.face_count() as u32)
         .map(|face| {
-            let region = if filler.seen[face as usize] { Vec::new() } else { filler.region(face) };
-            if region.is_empty() { 0 } else { filler.treat(region) }
+            let region = if filler.visited[face as usize] { Vec::new() } else { filler.region(face) };
+            if region.is_empty() { 0 } else { filler.fill(region) }
         })
         .sum();
     (triangulation.surface_mesh(&filler.polygons), count)
 }
 
+/// The state of a filling.
 struct Filler<'a> {
     context: &'a Context<'a>,
     triangulation: &'a Triangulation,
     faces: &'a Intrinsic,
     holes: Holes,
     edges: Vec<bool>,
-    /// Triangles that a region has taken.
-    seen: Vec<bool>,
-    /// Edges that are none of the triangulation, the smaller end first.
+    /// The triangles that a region has.
+    visited: Vec<bool>,
+    /// The edges of the mesh that are no edges of the triangulation, the smaller end first.
     chords: FxHashSet<[u32; 2]>,
     metric: Metric,
     /// The faces of the mesh.
@@ -93,23 +97,23 @@ impl<'a> Filler<'a> {
             faces,
             holes,
             edges: edges.to_vec(),
-            seen: vec![false; faces.face_count()],
+            visited: vec![false; faces.face_count()],
             chords: FxHashSet::default(),
             metric: Metric::new(&triangulation.vertices, &triangulation.factors),
             polygons: Vec::new(),
         }
     }
 
-    /// The triangles that are joined to this one across no edge of the mesh.
+    /// The triangles that can be reached from a triangle without crossing an edge of the mesh.
     fn region(&mut self, face: u32) -> Vec<u32> {
-        self.seen[face as usize] = true;
+        self.visited[face as usize] = true;
         let mut region = vec![face];
         let mut at = 0;
         while at < region.len() {
             for h in 3 * region[at]..3 * region[at] + 3 {
                 let twin = self.faces.twin[h as usize];
-                if !self.edges[h as usize] && twin != NONE && !self.seen[twin as usize / 3] {
-                    self.seen[twin as usize / 3] = true;
+                if !self.edges[h as usize] && twin != NONE && !self.visited[twin as usize / 3] {
+                    self.visited[twin as usize / 3] = true;
                     region.push(twin / 3);
                 }
             }
@@ -118,13 +122,13 @@ impl<'a> Filler<'a> {
         region
     }
 
-    /// Adds the region's faces to the mesh; returns how many holes it was, more than one where it was no disc.
-    fn treat(&mut self, region: Vec<u32>) -> usize {
-        let Some(polygon) = self.polygon(&region) else { return self.split_region(&region) };
+    /// Adds the faces of a region to the mesh; returns the number of its holes, more than one where it is no disc.
+    fn fill(&mut self, region: Vec<u32>) -> usize {
+        let Some(polygon) = self.outline(&region) else { return self.split_region(&region) };
         let is_hole = polygon.len() > 4;
         match (polygon.len(), self.holes) {
             (3, _) => self.polygons.push(polygon),
-            (4, _) if self.face_cost(&polygon) < FOLDED => self.polygons.push(polygon),
+            (4, _) if self.face_cost(&polygon) < FAULT_COST => self.polygons.push(polygon),
             (5.., Holes::Leave) => self.polygons.push(polygon),
             (k, holes) if k <= LARGEST || holes == Holes::Triangles => self.split_polygon(&polygon, &region),
             _ => {
@@ -134,8 +138,8 @@ impl<'a> Filler<'a> {
         usize::from(is_hole)
     }
 
-    /// The border of a region, where that is one loop that meets no vertex twice and leaves none inside.
-    fn polygon(&self, region: &[u32]) -> Option<Vec<u32>> {
+    /// The outline of a region; `None` unless it is one simple loop and no vertex lies inside.
+    fn outline(&self, region: &[u32]) -> Option<Vec<u32>> {
         let first = region.iter().flat_map(|&f| 3 * f..3 * f + 3).find(|&h| self.edges[h as usize])?;
         let mut polygon = Vec::with_capacity(region.len() + 2);
         let mut h = first;
@@ -158,19 +162,19 @@ impl<'a> Filler<'a> {
         (simple && polygon.len() == region.len() + 2).then_some(polygon)
     }
 
-    /// Makes the inner edge of a region that suits best an edge of the mesh and treats what is left on either side.
+    /// Makes the best inner edge of a region an edge of the mesh, and fills the parts.
     fn split_region(&mut self, region: &[u32]) -> usize {
-        let lonely = |v: u32, s: &Self| {
+        let edge_count = |v: u32, s: &Self| {
             let mut ring = Vec::new();
             s.faces.ring(v, &mut ring);
             ring.iter().filter(|&&h| s.edges[h as usize]).count()
         };
         let inner = region.iter().flat_map(|&f| 3 * f..3 * f + 3).filter(|&h| !self.edges[h as usize]);
-        // Tiles with few edges first; then the edge along the rows that is nearest to a tile side.
+        // An edge of a tile with fewer than two edges comes first; then the edge nearest to a tile side in direction and length.
         let best = inner
             .map(|h| {
                 let (a, b) = (self.faces.origin[h as usize], self.faces.target(h));
-                let needed = lonely(a, self).min(lonely(b, self)).min(2);
+                let fewest = edge_count(a, self).min(edge_count(b, self)).min(2);
                 let side = self.triangulation.sides[a as usize];
                 let off = |e: u32| {
                     let quarter = self.faces.begin[e as usize] / std::f64::consts::FRAC_PI_2;
@@ -178,11 +182,11 @@ impl<'a> Filler<'a> {
                 };
                 let cost =
                     off(h) + off(self.faces.twin[h as usize]) + (self.faces.length[h as usize] / side - 1.0).abs();
-                (needed, cost, h)
+                (fewest, cost, h)
             })
             .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
         let Some((_, _, h)) = best else {
-            // Only triangles are left.
+            // The region is one triangle.
             let corners = |f: &u32| [0, 1, 2].map(|k| self.faces.origin[3 * *f as usize + k]).to_vec();
             self.polygons.extend(region.iter().map(corners));
             return 0;
@@ -190,18 +194,18 @@ impl<'a> Filler<'a> {
         let twin = self.faces.twin[h as usize];
         self.edges[h as usize] = true;
         self.edges[twin as usize] = true;
-        region.iter().for_each(|&f| self.seen[f as usize] = false);
+        region.iter().for_each(|&f| self.visited[f as usize] = false);
         let mut count = 0;
         for &face in region {
-            if !self.seen[face as usize] {
+            if !self.visited[face as usize] {
                 let part = self.region(face);
-                count += self.treat(part);
+                count += self.fill(part);
             }
         }
         count
     }
 
-    /// Cuts the polygon about a region into quads and triangles at least cost. The region's own triangles are such a cut.
+    /// Cuts the outline of a region into quads and triangles at least cost; into the region's triangles where no cut is allowed.
     fn split_polygon(&mut self, polygon: &[u32], region: &[u32]) {
         let vertices = |places: &[usize]| places.iter().map(|&k| polygon[k]).collect::<Vec<u32>>();
         let face = |places: &[usize]| match places.len() {
@@ -218,8 +222,8 @@ impl<'a> Filler<'a> {
         self.polygons.extend(parts);
     }
 
-    /// Whether a chord of a polygon may be an edge: it must be the only one between its ends, in the whole triangulation but for
-    /// the region inside the polygon, since any edge of that may become one of the mesh.
+    /// Whether a chord of a polygon may be an edge. It must be the only edge between its ends in the mesh and in the
+    /// triangulation outside the region, as any edge of the triangulation may become an edge of the mesh.
     fn may_join(&self, a: u32, b: u32, region: &[u32]) -> bool {
         let mut ring = Vec::new();
         self.faces.ring(a, &mut ring);
@@ -233,15 +237,17 @@ impl<'a> Filler<'a> {
         !is_taken && !self.chords.contains(&undirected([a, b]))
     }
 
+    /// The cost of a face: what its shape lacks, and a penalty for a triangle and for a fault.
     fn face_cost(&self, face: &[u32]) -> f64 {
         let corners: Vec<DVec3> = face.iter().map(|&v| self.triangulation.vertices[v as usize].point).collect();
         let sheets = face.iter().map(|&v| self.triangulation.vertices[v as usize].triangles);
-        let frame = self.metric.frame(face);
+        let map = self.metric.map_of(face);
         let orientation = &self.context.orientation;
-        let measure = Measure::of(&corners, frame.as_ref(), None, || orientation.is_inverted(&corners, sheets));
-        let base = if face.len() == 3 { TRIANGLE } else { 0.0 };
-        let folded = if measure.is_fault || (face.len() == 4 && measure.shape <= THIN) { FOLDED } else { 0.0 };
-        base + (1.0 - measure.shape) + folded
+        let measure = Measure::of(&corners, map.as_ref(), None, || orientation.is_inverted(&corners, sheets));
+        let base = if face.len() == 3 { TRIANGLE_COST } else { 0.0 };
+        let is_bad = measure.is_fault || (face.len() == 4 && measure.shape <= NEARLY_CONCAVE);
+        let fault = if is_bad { FAULT_COST } else { 0.0 };
+        base + (1.0 - measure.shape) + fault
     }
 }
 
@@ -271,7 +277,7 @@ mod tests {
             tiles: vec![tile; points.len()],
             sides: vec![1.0; points.len()],
             vertices: (0..).zip(points).map(vertex).collect(),
-            sites: 0,
+            feature_samples: 0,
             extra: 0,
             factors: Vec::new(),
             same_place: (0..points.len() as u32).collect(),

@@ -1,4 +1,8 @@
-//! The finished mesh: regions, sheets joined, model units, compared with the surface.
+//! The finished mesh: its faces have regions, its sheets are joined, it is in model units and compared with the surface.
+//!
+//! # Practice
+//! Read [`Finished::faults`] and [`Finished::differences`] before the mesh is used: a mesh on parts thinner than a tile can have
+//! both, and more points resolve these parts.
 
 use super::check::{Fault, Faults, Kind, check_joined, sort};
 use super::compare::{Difference, differences_of, uncovered};
@@ -10,31 +14,31 @@ use super::{Mesh, Triangulation};
 use crate::mosaic::{FeaturePoint, Mosaic};
 use rayon::prelude::*;
 
-/// A mesh and what became of the surface in it.
+/// A finished mesh, with its faults and its differences from the surface.
 #[derive(Clone, Debug, Default)]
 pub struct Finished {
     /// The mesh, in model units.
     pub mesh: Mesh,
     /// Whether sheets of the surface meet at each of its vertices.
     pub branches: Vec<bool>,
-    /// Its broken invariants, inverted faces among them, each with its place in model units.
+    /// Its broken invariants, inverted faces among them, with places in model units.
     pub faults: Faults,
-    /// What the mesh as a whole has otherwise than the surface.
+    /// Its global differences from the surface: topology, and parts that are missing.
     pub differences: Vec<Difference>,
 }
 
-/// Finishes a mesh: its faces get their regions, sheets are joined where they meet, and the result is compared with the surface.
+/// Gives the faces of a mesh their regions, joins its sheets where they meet, and compares the result with the surface.
 pub fn finish(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic, triangulation: &Triangulation) -> Finished {
     let surface = context.surface;
     let mesh = mesh.compacted();
     let (named, order) = with_regions(context, &mesh, mosaic);
     let Joined { mesh: joined, mut branches, number } =
         join(&named, &triangulation.joints(mesh.vertices().iter().map(|vertex| vertex.origin)));
-    let tips = context.tips_of_shared_curves();
+    let ends = context.ends_of_shared_curves();
     for (v, vertex) in mesh.vertices().iter().enumerate() {
-        if let Some(FeaturePoint::Vertex(tip)) =
+        if let Some(FeaturePoint::Vertex(end)) =
             mosaic.feature_samples.get(vertex.origin as usize).map(|sample| sample.point)
-            && tips.contains(&tip)
+            && ends.contains(&end)
         {
             branches[number[v] as usize] = true;
         }
@@ -44,7 +48,7 @@ pub fn finish(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic, triangulat
         .collect::<Vec<(u32, &u32)>>()
         .into_par_iter()
         .with_min_len(1024)
-        .filter(|&(_, &face)| mesh.points_against_nearest(context, face))
+        .filter(|&(_, &face)| mesh.opposes_nearest(context, face))
         .map(|(face, _)| face)
         .collect();
     let mut differences = differences_of(&joined, surface);
@@ -59,7 +63,7 @@ pub fn finish(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic, triangulat
     Finished { mesh: joined, branches, faults, differences }
 }
 
-/// The mesh alone, its sheets joined, in model units.
+/// A mesh with its sheets joined, in model units, without regions.
 pub(crate) fn joined(context: &Context, mesh: &SurfaceMesh, triangulation: &Triangulation) -> Mesh {
     let mesh = mesh.compacted();
     let joints = triangulation.joints(mesh.vertices().iter().map(|vertex| vertex.origin));

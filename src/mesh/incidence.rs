@@ -1,6 +1,6 @@
-//! The one table of who meets whom: rows of ids that can grow, and the faces at each vertex.
+//! Incidence tables: rows of ids that can grow (the corners of faces, the faces at vertices).
 
-/// Rows of ids in one buffer; a row that outgrows its room moves to the buffer's end.
+/// Rows of ids in one buffer (compressed rows with spare room). A row that outgrows its room moves to the end of the buffer.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rows {
     ids: Vec<u32>,
@@ -15,7 +15,7 @@ struct Span {
 }
 
 impl Rows {
-    /// Rows of these lengths that hold the ids one after the other.
+    /// Rows of these lengths; `ids` are the rows one after the other.
     pub(crate) fn new(lengths: impl Iterator<Item = usize>, ids: Vec<u32>) -> Self {
         let mut start = 0;
         let spans = lengths
@@ -27,7 +27,7 @@ impl Rows {
         Self { ids, spans }
     }
 
-    /// For each of `count` ids the rows that hold it, in ascending order.
+    /// The transpose: for each of `count` ids, the rows that hold it in ascending order.
     pub(crate) fn transposed<'a>(rows: impl Iterator<Item = &'a [u32]> + Clone, count: usize) -> Self {
         let mut lengths = vec![0; count];
         rows.clone().flatten().for_each(|&id| lengths[id as usize] += 1);
@@ -92,7 +92,7 @@ impl Rows {
         span.len += 1;
     }
 
-    /// Takes an id out of a row; the order of the others stays.
+    /// Removes an id from a row; the order of the others stays.
     pub(crate) fn remove(&mut self, row: u32, id: u32) {
         let span = &mut self.spans[row as usize];
         let ids = &mut self.ids[span.start..span.start + span.len as usize];

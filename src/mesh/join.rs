@@ -1,20 +1,20 @@
-//! Joins the meshes of sheets where the surface's sheets meet.
+//! The joining of the meshes of sheets where sheets of the surface meet.
 
 use super::Mesh;
 use crate::surface::NONE;
 
-/// A mesh whose vertices at one place are one.
+/// A mesh without two vertices at the same point.
 #[derive(Clone, Debug)]
 pub struct Joined {
     /// The mesh.
     pub mesh: Mesh,
-    /// Whether sheets meet at each vertex: there the mesh may branch, as the surface does.
+    /// Whether sheets meet at each vertex: the mesh may branch there as the surface does.
     pub branches: Vec<bool>,
-    /// The vertex that each of the old ones is.
+    /// The new id of each old vertex.
     pub number: Vec<u32>,
 }
 
-/// Makes one vertex of those at one place; `first` names the first of them for each vertex.
+/// Merges the vertices at the same point; `first` gives, for each vertex, the first vertex at its point.
 pub fn join(mesh: &Mesh, first: &[u32]) -> Joined {
     let mut number = vec![NONE; mesh.points.len()];
     let mut points = Vec::with_capacity(mesh.points.len());

@@ -1,4 +1,9 @@
-//! The output: from a mosaic to a polygon mesh.
+//! The mesh: from a mosaic to a polygon mesh on the surface.
+//!
+//! # Theory
+//! The tiles' centres are [triangulated](triangulate), the edges along the cross are [selected](connect), and the faces that they
+//! enclose are [filled](fill). Then the [connectivity] is optimised and the vertices are [relocated](relocate). The
+//! [finished](finish) mesh is compared with the surface.
 
 pub mod check;
 pub mod compare;
@@ -40,7 +45,7 @@ pub struct Mesh {
     pub points: Vec<[f64; 3]>,
     /// Vertex indices of all faces, one face after the other.
     corners: Vec<u32>,
-    /// Where each face ends in `corners`.
+    /// The end of each face in `corners`.
     ends: Vec<u32>,
     /// The named region of each face.
     pub regions: Regions,
@@ -52,7 +57,7 @@ impl Mesh {
         Self { points, ..Self::default() }
     }
 
-    /// The same mesh in model units, its vertices being in unit-sized coordinates.
+    /// The mesh in model units; its vertices are in unit-sized coordinates before.
     pub(crate) fn placed(mut self, frame: &crate::surface::Frame) -> Self {
         self.points.iter_mut().for_each(|point| *point = frame.to_model(*point));
         self
@@ -80,17 +85,17 @@ impl Mesh {
         (0..self.face_count()).map(|index| self.face(index))
     }
 
-    /// The place of a vertex.
+    /// The point of a vertex.
     pub(crate) fn place(&self, vertex: u32) -> DVec3 {
         DVec3::from(self.points[vertex as usize])
     }
 
-    /// The mean of the places of some vertices; of none, the origin.
+    /// The mean of the points of some vertices; of none, the origin.
     pub(crate) fn middle(&self, vertices: &[u32]) -> DVec3 {
         vertices.iter().map(|&vertex| self.place(vertex)).sum::<DVec3>() / vertices.len().max(1) as f64
     }
 
-    /// How long each of these edges is.
+    /// The lengths of edges.
     pub(crate) fn lengths(&self, edges: &[Edge]) -> Vec<f64> {
         edges.iter().map(|edge| self.place(edge.ends[0]).distance(self.place(edge.ends[1]))).collect()
     }
@@ -121,19 +126,19 @@ impl From<Soup> for Mesh {
     }
 }
 
-/// An undirected edge of a [`Mesh`] and how its faces use it.
+/// An undirected edge of a [`Mesh`], with the numbers of its faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
     /// The two vertices, the smaller id first.
     pub ends: [u32; 2],
-    /// How many faces run from `ends[0]` to `ends[1]`.
+    /// Number of faces that run from `ends[0]` to `ends[1]`.
     pub along: u32,
-    /// How many faces run from `ends[1]` to `ends[0]`.
+    /// Number of faces that run from `ends[1]` to `ends[0]`.
     pub against: u32,
 }
 
 impl Edge {
-    /// Whether faces lie on one side only: the edge is on the mesh's boundary.
+    /// Whether it is a boundary edge: its faces lie on one side only.
     pub fn is_boundary(&self) -> bool {
         self.along == 0 || self.against == 0
     }

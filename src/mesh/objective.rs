@@ -1,11 +1,15 @@
-//! The one measure that every change of a mesh is judged by.
+//! The objective of all changes of a mesh: of its connectivity and of its vertices.
 //!
 //! # Theory
-//! Lexicographic: first the number of faults (faces that are inverted, concave or without area), then a loss in units of
-//! perfect quads. The loss of a face is what its shape lacks, and more below a floor, so that no face is given up for many;
-//! a triangle costs a price besides. The loss of a feature edge grows with the distance of its chord from the curve.
+//! The objective is lexicographic. The number of faults counts first: faces that are inverted, concave or without area. Then
+//! counts the least shape, up to that of a poor face, and then a loss in units of perfect quads. The loss of a face is 1 less its
+//! shape, and more below a floor, so that one bad face outweighs many slightly worse ones. A triangle has a price besides. The
+//! loss of a feature edge grows with the distance of its chord from the curve.
+//!
+//! # Practice
+//! Compare two [`Score`]s of the same part of a mesh, before a change and after it, by [`Score::beats`].
 
-use super::metric::{Frame, laid};
+use super::metric::{MetricMap, to_metric};
 use super::orientation::{self, Orientation};
 use super::quality::{quad_shape, triangle_shape};
 use super::surface_mesh::{Place, SurfaceMesh, walked};
@@ -16,31 +20,33 @@ use rustc_hash::FxHashSet;
 
 /// A face of a smaller shape is a fault: its corners lie on one line, or one of them is straight or reflex.
 const DEGENERATE: f64 = 0.01;
-/// Shapes below this lose more than what they lack.
-const FLOOR: f64 = 0.5;
-/// A least shape below this rises whatever the loss does.
-const POOR: f64 = 0.3;
-/// A least shape that rises by less than this is the same.
-const RISE: f64 = 1e-3;
+/// The floor: a smaller shape has a further loss.
+pub(crate) const FLOOR: f64 = 0.5;
+/// A face of a smaller shape is poor: the least shape counts before the loss.
+pub(crate) const POOR: f64 = 0.3;
+/// Least shapes that differ by less are equal.
+const LEAST_RISE: f64 = 1e-3;
 /// The further loss at shape 0.
 const BELOW_FLOOR: f64 = 3.0;
-/// The weight of a triangle's shape, against a quad's.
-pub(crate) const TRIANGLE: f64 = 0.5;
-/// A triangle is below the floor where so many times its shape is.
-const TRIANGLE_FLOOR: f64 = 2.0;
+/// The weight of a triangle's shape; a quad's is 1.
+pub(crate) const TRIANGLE_WEIGHT: f64 = 0.5;
+/// A triangle's shape times this is compared with the floor.
+const TRIANGLE_FLOOR_FACTOR: f64 = 2.0;
+/// A triangle of a smaller shape is worse than a good quad.
+const THIN_TRIANGLE: f64 = 0.3;
 /// The cosine of the largest turn of a face's normal that cannot invert it: 60 degrees.
-const TURN: f64 = 0.5;
-/// Chords may leave their curve by this at little cost, in edges, ...
-const CLOSE: f64 = 0.12;
-/// ... the loss for each edge, ...
-const CHORD: f64 = 1.5;
-/// ... and for the square of what is beyond.
-const FAR_CHORD: f64 = 20.0;
+const TURN_COSINE: f64 = 0.5;
+/// The tolerated distance of a chord from its curve, in edges.
+const CHORD_TOLERANCE: f64 = 0.12;
+/// The loss for each edge of that distance.
+const CHORD_LOSS: f64 = 1.5;
+/// The loss for the squared distance beyond the tolerance.
+const EXCESS_CHORD_LOSS: f64 = 20.0;
 
-/// The loss of a chord that leaves its curve too far.
-pub(crate) const FAR_CHORD_LOSS: f64 = CHORD * CLOSE;
+/// The loss of a chord at the tolerated distance.
+pub(crate) const TOLERATED_CHORD_LOSS: f64 = CHORD_LOSS * CHORD_TOLERANCE;
 
-/// A surface, and what is asked of it while a mesh on it changes.
+/// A surface, with what changes of a mesh on it need to know.
 pub struct Context<'a> {
     pub(crate) surface: &'a Surface,
     pub(crate) orientation: Orientation<'a>,
@@ -49,7 +55,7 @@ pub struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// That of a surface.
+    /// The context of a surface.
     pub fn new(surface: &'a Surface) -> Self {
         Self { surface, orientation: Orientation::new(surface), shared: shared_curves(surface) }
     }
@@ -58,8 +64,8 @@ impl<'a> Context<'a> {
         &self.surface.features().curves()[curve as usize]
     }
 
-    /// The ends of the curves that several sheets share: the mesh may branch there too.
-    pub(crate) fn tips_of_shared_curves(&self) -> FxHashSet<u32> {
+    /// The ends of the curves that several sheets share, as vertices of the surface. The mesh may branch there.
+    pub(crate) fn ends_of_shared_curves(&self) -> FxHashSet<u32> {
         let curves = self.surface.features().curves().iter().zip(&self.shared).filter(|(_, shared)| **shared);
         curves.flat_map(|(curve, _)| [curve.vertices[0], curve.vertices[curve.vertices.len() - 1]]).collect()
     }
@@ -70,22 +76,22 @@ impl<'a> Context<'a> {
     }
 }
 
-/// The value of some faces and edges: fewer faults are better, then a larger least shape below the floor, then less loss.
+/// The objective of some faces and edges: fewer faults are better, then a larger least shape, then a smaller loss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Score {
     /// The number of faults.
     pub faults: u32,
-    /// The least shape, no more than that of a poor face.
+    /// The least shape; at most [`POOR`].
     pub least: f64,
-    /// In perfect quads.
+    /// The loss, in perfect quads.
     pub loss: f64,
 }
 
 impl Score {
-    /// Whether this is better than another; by more than a margin, where it is the loss that decides.
+    /// Whether this is better than another score. The losses must differ by more than a margin.
     pub(crate) fn beats(&self, other: &Self, margin: f64) -> bool {
         let (faults, least) = (self.faults.cmp(&other.faults), self.least - other.least);
-        let rises = least > RISE;
+        let rises = least > LEAST_RISE;
         faults.is_lt() || (faults.is_eq() && (rises || (least >= 0.0 && self.loss < other.loss - margin)))
     }
 }
@@ -106,12 +112,12 @@ impl std::iter::Sum for Score {
     }
 }
 
-/// What is known of a face.
+/// The measure of a face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measure {
     /// Qg of a quad, Tg of a triangle, 1 of a larger face.
     pub shape: f64,
-    /// Whether it is a fault.
+    /// Whether it is inverted, concave or without area.
     pub is_fault: bool,
     /// Twice its vector area.
     pub normal: DVec3,
@@ -119,45 +125,42 @@ pub(crate) struct Measure {
 }
 
 impl Measure {
-    /// Measures a face by its corners. `frame` is that of its metric. `before` is what the face was a small change ago: where
-    /// its normal turns by less than 60 degrees, it keeps its orientation. `inverted` tells it where that is unknown.
+    /// Measures a face by its corners, under a map of its metric. `before` is its measure before a small change: a face whose
+    /// normal turns by less than 60 degrees keeps its orientation. `inverted` tests the orientation where it is unknown.
     pub(crate) fn of(
         corners: &[DVec3],
-        frame: Option<&Frame>,
+        map: Option<&MetricMap>,
         before: Option<&Self>,
         inverted: impl FnOnce() -> bool,
     ) -> Self {
-        let shape = shape(corners, frame);
+        let shape = shape(corners, map);
         let normal = orientation::normal(corners);
         let keeps = |before: &Self| {
-            !before.is_fault && before.normal.dot(normal) > TURN * (before.normal.length() * normal.length())
+            !before.is_fault && before.normal.dot(normal) > TURN_COSINE * (before.normal.length() * normal.length())
         };
         let is_fault = shape < DEGENERATE || !(before.is_some_and(keeps) || !inverted());
         Self { shape, is_fault, normal, corners: corners.len() as u8 }
     }
 
-    /// The score of the face where a triangle costs a price.
+    /// The score of the face; a triangle has a price.
     pub(crate) fn score(&self, triangle_price: f64) -> Score {
         let below = |shape: f64| BELOW_FLOOR * ((FLOOR - shape).max(0.0) / FLOOR).powi(2);
         let loss = match self.corners {
-            0..=3 => triangle_price + TRIANGLE * (1.0 - self.shape) + below(TRIANGLE_FLOOR * self.shape),
+            0..=3 => triangle_price + TRIANGLE_WEIGHT * (1.0 - self.shape) + below(TRIANGLE_FLOOR_FACTOR * self.shape),
             _ => 1.0 - self.shape + below(self.shape),
         };
         Score { faults: u32::from(self.is_fault), least: self.least().min(POOR), loss }
     }
 
-    /// The shape of a quad; a triangle has one only where it is thin.
+    /// The shape of a quad or of a thin triangle, scaled to 1 at [`THIN_TRIANGLE`]; 1 for other triangles.
     pub(crate) fn least(&self) -> f64 {
-        if self.corners == 3 { (self.shape / THIN).min(1.0) } else { self.shape }
+        if self.corners == 3 { (self.shape / THIN_TRIANGLE).min(1.0) } else { self.shape }
     }
 }
 
-/// A triangle of a smaller shape is worse than a good quad.
-const THIN: f64 = 0.3;
-
-/// The shape of a face in a metric: Qg or Tg; 1 for larger faces.
-pub(crate) fn shape(corners: &[DVec3], frame: Option<&Frame>) -> f64 {
-    let at = |p: DVec3| laid(frame, p).to_array();
+/// The shape of a face under a map of its metric: Qg or Tg; 1 for larger faces.
+pub(crate) fn shape(corners: &[DVec3], map: Option<&MetricMap>) -> f64 {
+    let at = |p: DVec3| to_metric(map, p).to_array();
     match *corners {
         [a, b, c] => triangle_shape([a, b, c].map(at)),
         [a, b, c, d] => quad_shape([a, b, c, d].map(at)),
@@ -165,33 +168,33 @@ pub(crate) fn shape(corners: &[DVec3], frame: Option<&Frame>) -> f64 {
     }
 }
 
-/// The loss of a feature edge whose curve leaves its chord by a distance, in edges.
+/// The loss of a feature edge at a distance of its chord from the curve, in edges.
 pub(crate) fn chord_loss(distance: f64) -> f64 {
-    CHORD * distance + FAR_CHORD * (distance - CLOSE).max(0.0).powi(2)
+    CHORD_LOSS * distance + EXCESS_CHORD_LOSS * (distance - CHORD_TOLERANCE).max(0.0).powi(2)
 }
 
 impl SurfaceMesh {
-    /// The measure of a face as it is.
+    /// The measure of a face.
     pub(crate) fn measure(&self, context: &Context, face: u32) -> Measure {
         let corners = self.face(face);
         let points: Vec<DVec3> = corners.iter().map(|&v| self.point(v)).collect();
-        let frame = self.metric().frame(corners);
-        Measure::of(&points, frame.as_ref(), None, || {
+        let map = self.metric().map_of(corners);
+        Measure::of(&points, map.as_ref(), None, || {
             context.orientation.is_inverted(&points, corners.iter().map(|&v| self.vertex(v).triangles))
         })
     }
 
-    /// Whether a face points against the triangles of the surface that are nearest to it, whatever sheet it is made for.
-    pub(crate) fn points_against_nearest(&self, context: &Context, face: u32) -> bool {
+    /// Whether the normal of a face points against the triangles nearest to its middle, of all sheets.
+    pub(crate) fn opposes_nearest(&self, context: &Context, face: u32) -> bool {
         let corners = self.face(face);
         let points: Vec<DVec3> = corners.iter().map(|&v| self.point(v)).collect();
         let (normal, middle) = (orientation::normal(&points), orientation::middle(&points));
-        // The place below the middle on the face's own sheet tells how far there is to look.
+        // The point below the middle on the face's own sheet bounds the distance of the search.
         let Some(&v) = corners.iter().find(|&&v| self.vertex(v).is_free()) else {
-            return context.orientation.vote(normal, middle).is_against;
+            return context.orientation.nearest_sheets(normal, middle).are_opposed;
         };
         let below = walked(context.surface, self.vertex(v).triangles[0], self.point(v), middle);
-        context.orientation.is_against(normal, middle, below.point.distance(middle))
+        context.orientation.opposes_nearest(normal, middle, below.point.distance(middle))
     }
 
     /// The faces that are inverted, concave or without area.
@@ -200,7 +203,7 @@ impl SurfaceMesh {
         (0..self.face_bound() as u32).into_par_iter().with_min_len(1024).filter(is_fault).collect()
     }
 
-    /// The arc length of a vertex on a curve, as near as may be to another one: a corner may be both ends of it.
+    /// The arc length of a vertex on a curve; of the two that a corner at both ends has, the one nearer to `near`.
     pub(crate) fn arc(&self, context: &Context, v: u32, curve: u32, near: f64) -> Option<f64> {
         let vertex = self.vertex(v);
         match vertex.place {
@@ -217,10 +220,8 @@ impl SurfaceMesh {
             _ => None,
         }
     }
-}
 
-impl SurfaceMesh {
-    /// The arc lengths of two neighbours on a curve; on a closed one the second may be beyond its ends.
+    /// The arc lengths of two neighbours on a curve. On a closed curve the second may lie beyond the ends.
     pub(crate) fn arcs(&self, context: &Context, [a, b]: [u32; 2], curve: u32) -> Option<[f64; 2]> {
         let line = context.curve(curve);
         let own = |v: u32| match self.vertex(v).place {
@@ -234,5 +235,5 @@ impl SurfaceMesh {
     }
 }
 
-/// Squared unit-sized distance of points that are the same but for roundings.
+/// The squared unit-sized distance of points that differ by roundings alone.
 const SAME_POINT: f64 = 1e-12;

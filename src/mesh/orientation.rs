@@ -1,10 +1,14 @@
-//! The one test for inverted faces.
+//! The test for inverted faces.
 //!
 //! # Theory
 //! A face is inverted where its normal points against the sheet that it lies on: the triangle of the surface nearest to its
-//! middle. Beside a sharp edge several triangles are equally near; those perpendicular to the face are walls beside it and
-//! have no vote, and one that agrees is enough. Where the sheets at the corners are known and all agree, as nearly everywhere,
-//! no triangle is searched for.
+//! middle. Several triangles can be equally near beside a sharp edge: then the sum of their normals decides, the pseudonormal of
+//! Baerentzen and Aanaes 2005. So a wall perpendicular to the face does not count, nor do sheets that lie on each other. No
+//! search is needed where the sheets at all corners are known and agree, which is the usual case.
+//!
+//! # Practice
+//! Give the triangles at the corners where they are known: this is faster, and it decides on parts thinner than a face, where
+//! the nearest sheet can be the opposite one.
 
 use crate::surface::nearest::{EQUALLY_NEAR, Triangles, squared_distance};
 use crate::surface::{NONE, Surface};
@@ -13,10 +17,10 @@ use std::sync::OnceLock;
 
 /// The cosine of the largest angle between a face and the sheets at its corners that needs no search: 60 degrees.
 const AGREEMENT: f64 = 0.5;
-/// The cosine below which a triangle counts as perpendicular to a face: 3 degrees off.
+/// A sum of cosines smaller than this counts as none: the triangles are perpendicular to the face, within 3 degrees.
 const PERPENDICULAR: f64 = 0.05;
 
-/// A surface whose triangles are sorted into a tree once a search is needed.
+/// The orientation of a surface; the first search builds a tree of its triangles.
 pub(crate) struct Orientation<'a> {
     surface: &'a Surface,
     triangles: OnceLock<Triangles>,
@@ -27,7 +31,7 @@ impl<'a> Orientation<'a> {
         Self { surface, triangles: OnceLock::new() }
     }
 
-    /// The surface's triangles, for searches of the nearest.
+    /// The tree of the surface's triangles.
     pub(crate) fn triangles(&self) -> &Triangles {
         self.triangles.get_or_init(|| Triangles::new(self.surface))
     }
@@ -36,28 +40,28 @@ impl<'a> Orientation<'a> {
     /// surface on the two sides of each corner, [`NONE`] where they are unknown.
     pub(crate) fn is_inverted(&self, corners: &[DVec3], sheets: impl Iterator<Item = [u32; 2]>) -> bool {
         let normal = normal(corners);
-        !self.agrees(normal, sheets) && self.vote(normal, middle(corners)).is_against
+        !self.agrees(normal, sheets) && self.nearest_sheets(normal, middle(corners)).are_opposed
     }
 
-    /// Whether all sheets that are known at a face's corners agree with its normal, and there is one.
+    /// Whether a sheet is known at a corner of a face, and all known sheets agree with its normal.
     fn agrees(&self, normal: DVec3, sheets: impl Iterator<Item = [u32; 2]>) -> bool {
         let least = AGREEMENT * normal.length();
         let of = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3();
-        // Nothing follows from the two sides of a sharp edge that are turned away from each other.
+        // The two sides of an edge sharper than a right angle decide nothing.
         let is_known = |[a, b]: &[u32; 2]| *a != NONE && (a == b || of(*a).dot(of(*b)) > 0.0);
         let mut known = sheets.filter(is_known).peekable();
         known.peek().is_some() && known.all(|sides| sides.iter().any(|&side| of(side).dot(normal) > least))
     }
 
-    /// What the triangles nearest to the middle of a face say of its normal, whatever its length.
-    pub(crate) fn vote(&self, normal: DVec3, middle: DVec3) -> Vote {
+    /// Compares the normal of a face, of any length, with the triangles nearest to its middle.
+    pub(crate) fn nearest_sheets(&self, normal: DVec3, middle: DVec3) -> NearestSheets {
         let distance = self.triangles().nearest(middle).1;
-        Vote { distance, is_against: self.is_against(normal, middle, distance) }
+        NearestSheets { distance, are_opposed: self.opposes_nearest(normal, middle, distance) }
     }
 
-    /// Whether a face points against all triangles that are no farther from its middle than the nearest; one is known to be
-    /// no farther than a distance.
-    pub(crate) fn is_against(&self, normal: DVec3, middle: DVec3, distance: f64) -> bool {
+    /// Whether the normal of a face points against the triangles nearest to its middle. `distance` is an upper bound of their
+    /// distance.
+    pub(crate) fn opposes_nearest(&self, normal: DVec3, middle: DVec3, distance: f64) -> bool {
         let unit = normal.normalize_or_zero();
         let found: Vec<u32> = self.triangles().within(middle, distance + EQUALLY_NEAR).collect();
         let cosine = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3().dot(unit);
@@ -71,20 +75,16 @@ impl<'a> Orientation<'a> {
         let all: Vec<(f64, f64)> = found.into_iter().map(|triangle| (off(triangle), cosine(triangle))).collect();
         let least = all.iter().map(|(off, _)| *off).fold(f64::INFINITY, f64::min);
         let near = all.iter().filter(|(off, _)| *off <= least + EQUALLY_NEAR).map(|(_, cosine)| *cosine);
-        let mut votes = near.clone().filter(|cosine| cosine.abs() >= PERPENDICULAR).peekable();
-        match votes.peek() {
-            Some(_) => votes.all(|vote| vote < 0.0),
-            None => near.fold(f64::INFINITY, f64::min) < 0.0,
-        }
+        near.sum::<f64>() < -PERPENDICULAR
     }
 }
 
-/// What the triangles nearest to the middle of a face say.
-pub(crate) struct Vote {
-    /// How far they are, unit-sized.
+/// The triangles nearest to the middle of a face.
+pub(crate) struct NearestSheets {
+    /// Their distance, unit-sized.
     pub distance: f64,
-    /// Whether the face points against them.
-    pub is_against: bool,
+    /// Whether the face's normal points against them.
+    pub are_opposed: bool,
 }
 
 /// Twice the vector area of a polygon.

@@ -1,4 +1,7 @@
-//! A mesh laid on a surface: the place of each vertex is found where it is not known.
+//! The placement of a given mesh on a surface.
+//!
+//! # Practice
+//! Use this for meshes from files. A mesh of this program knows its places.
 
 use super::incidence::{sides, undirected};
 use super::objective::Context;
@@ -9,7 +12,7 @@ use crate::surface::nearest::{Simplices, nearest_on_segment};
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// A vertex nearer to a feature curve or a corner than this is on it, unit-sized: some hundred steps of f32.
+/// A vertex nearer to a feature curve or a corner lies on it, unit-sized: some hundred roundings of f32.
 const ON_FEATURE: f64 = 1e-5;
 /// The number of faces at a regular vertex.
 const REGULAR: u8 = 4;
@@ -80,7 +83,7 @@ impl SurfaceMesh {
         Self::new(vertices, &faces, features, Metric::default())
     }
 
-    /// The mesh without vertices that no face has, in the model units of the surface.
+    /// The compacted mesh, in the model units of the surface.
     pub fn in_model_units(&self, context: &Context) -> Mesh {
         self.compacted().to_mesh().placed(context.surface.frame())
     }

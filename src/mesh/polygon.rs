@@ -1,7 +1,7 @@
 //! The cheapest cut of a polygon into quads and triangles, by dynamic programming over its chords.
 
-/// Corners of the faces that a polygon of `count` corners is cut into, and what they cost; `None` where every cut has an infinite
-/// cost. `face` gives the cost of a face by its corners in ascending order, `chord` that of a chord by its two ends.
+/// The cost of the cheapest cut of a polygon of `count` corners, and the corners of its faces; `None` where every cut has an
+/// infinite cost. `face` gives the cost of a face by its corners in ascending order, `chord` the cost of a chord by its ends.
 pub(crate) fn cut(
     count: usize,
     face: impl Fn(&[usize]) -> f64,
@@ -9,7 +9,7 @@ pub(crate) fn cut(
 ) -> Option<(f64, Vec<Vec<usize>>)> {
     const NONE: usize = usize::MAX;
     let at = |i: usize, j: usize| i * count + j;
-    // The least cost of the part from corner `i` to corner `j`, the chord between them included, and how it is cut.
+    // The least cost of the part from corner `i` to corner `j`, with the chord between them, and its first face.
     let mut cost = vec![0.0; count * count];
     let mut cuts = vec![[NONE; 2]; count * count];
     for span in 2..count {
@@ -18,10 +18,10 @@ pub(crate) fn cut(
             let own = if span + 1 < count { chord(i, j) } else { 0.0 };
             let mut best = (f64::INFINITY, [NONE; 2]);
             for m in if own < f64::INFINITY { i + 1..j } else { 0..0 } {
-                let mut keep = |behind: f64, corners: &[usize], cut: [usize; 2]| {
-                    // The rest is asked first: a face is dear to judge.
-                    if behind < best.0 {
-                        let total = behind + face(corners);
+                let mut keep = |rest: f64, corners: &[usize], cut: [usize; 2]| {
+                    // The cost of a face takes long; it is skipped where the rest alone is too expensive.
+                    if rest < best.0 {
+                        let total = rest + face(corners);
                         if total < best.0 {
                             best = (total, cut);
                         }

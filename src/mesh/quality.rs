@@ -7,14 +7,18 @@
 //!
 //! # Changes versus the paper
 //!
-//! The paper defines Qg and Tg so that larger is worse, yet prints values below 1; here, as in what it prints, both are
-//! reciprocals: 1 is a square or an equilateral triangle, 0 a collapsed or reflex element.
+//! The paper defines Qg and Tg so that larger is worse, but prints values below 1. Here both are reciprocals, as in its
+//! figures: 1 is a square or an equilateral triangle, 0 a collapsed or reflex element.
+//!
+//! # Practice
+//!
+//! Read the least scaled Jacobian beside the means: one bad element spoils a simulation and does not show in a mean.
 
 use super::Mesh;
 use glam::DVec3;
 use serde::Serialize;
 
-/// How a measure is distributed over the elements.
+/// The distribution of a measure over the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
     /// Arithmetic mean.
@@ -34,7 +38,7 @@ impl Spread {
     }
 }
 
-/// The value that a share of these, sorted and at least one, lies below: linear between the two nearest.
+/// The percentile of sorted values, at least one, at a share; linear between the two nearest.
 pub(super) fn percentile(sorted: &[f64], share: f64) -> f64 {
     let place = share * (sorted.len() - 1) as f64;
     let (low, rest) = (place as usize, place.fract());
@@ -63,7 +67,7 @@ pub struct Quality {
     pub scaled_jacobian: Option<Spread>,
     /// Number of vertices that lie on a face and not on the boundary.
     pub interior_vertices: usize,
-    /// Those of them whose valence is not 4.
+    /// Number of interior vertices whose valence is not 4.
     pub irregular_vertices: usize,
     /// Mean edge length.
     pub mean_edge: f64,
@@ -150,7 +154,7 @@ pub fn quad_shape(corners: [[f64; 3]; 4]) -> f64 {
     let sides: [DVec3; 4] = std::array::from_fn(|k| q[(k + 1) % 4] - q[k]);
     let diagonals = [q[2] - q[0], q[3] - q[1]];
     let normal = diagonals[0].cross(diagonals[1]);
-    // Those of opposite corners sum to the whole quad's, everything taken times the length of the normal.
+    // The areas of opposite corners sum to the quad's area; all are multiplied by the length of the normal.
     let whole = normal.length_squared();
     let [first, second] = [sides[3].cross(sides[0]), sides[0].cross(sides[1])].map(|area| area.dot(normal));
     let smallest = first.min(whole - first).min(second.min(whole - second)) / 2.0;

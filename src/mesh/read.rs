@@ -1,4 +1,4 @@
-//! Reads polygon meshes, to check and measure what this or another program wrote.
+//! Reading of polygon meshes from files, of this program or another, for checks and measures.
 
 use super::Mesh;
 use crate::surface::load::{Format, LoadError, polygons};

@@ -1,4 +1,4 @@
-//! Which region of the surface each face lies on.
+//! The region of the surface that each face lies on.
 
 use super::Mesh;
 use super::objective::Context;
@@ -7,11 +7,11 @@ use crate::mosaic::Mosaic;
 use crate::surface::Regions;
 use glam::DVec3;
 
-/// A compacted mesh with its faces in the order of their regions, and which face each one was; their order stays where the
-/// surface has no regions.
+/// A compacted mesh with its faces sorted by region, and the old id of each face. The order stays where the surface has no
+/// regions.
 ///
-/// A free vertex tells its faces' region, since borders of regions are features. Faces without such vertices lie where the
-/// triangle nearest to their middle does, of the regions that all their vertices touch.
+/// The region of a face is that of its free vertices, since borders of regions are features. A face without free vertices has
+/// the region of the triangle nearest to its middle, if all its vertices touch that region, else the first common one.
 pub(crate) fn with_regions(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic) -> (Mesh, Vec<u32>) {
     let regions = context.surface.regions();
     if regions.of_face.is_empty() {

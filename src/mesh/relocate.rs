@@ -1,50 +1,51 @@
-//! Relocation: vertices move along the surface to where their faces are best; the connectivity stays.
+//! Relocation: vertices move along the surface, the connectivity stays.
 //!
 //! # Theory
-//! Each face has a best-fitting regular polygon about its centre; a vertex is drawn to the mean of its places in those of
-//! its faces (shape matching). That is the best place where faces are nearly squares. Where they are not, the vertex tries
-//! places about it (a pattern search). A free vertex walks over the surface, one on a feature curve slides along it between
-//! its neighbours there, a corner stays. A move is kept where the [objective](super::objective) of the faces and feature
-//! edges at the vertex becomes better.
+//! Each face has a best-fitting regular polygon about its centre. Shape matching moves a vertex towards the mean of its
+//! corners in the polygons of its faces. Where a face is poor, a pattern search follows: the vertex tries displacements in
+//! several directions, of decreasing lengths. A free vertex moves over the surface, a vertex on a feature curve moves along it
+//! between its neighbours on the curve, and a corner stays. A move is made where the [objective](super::objective) of the faces
+//! and feature edges at the vertex improves.
+//!
+//! Vertices that share no face move at the same time: a greedy colouring in the order of the vertices gives the sets, so the
+//! result does not depend on the number of threads. A vertex is visited again once one of its faces has changed.
+//!
+//! # Changes versus the paper
+//! The paper does not move vertices.
 //!
 //! # Practice
-//! Vertices that share no face move at once: the mesh is coloured, greedily in the order of the vertices, and the colours
-//! take turns. So the result does not depend on the number of threads. A vertex looks again only after a face of its own has
-//! changed.
+//! With 0 passes the vertices stay at the centres of the tiles, as in the paper. The connectivity should be final first: after an
+//! edit, relocate again.
 
-use super::metric::{Frame, laid, lifted};
-use super::objective::{Context, FAR_CHORD_LOSS, Measure, Score, TRIANGLE, chord_loss};
+use super::metric::{MetricMap, from_metric, to_metric};
+use super::objective::{Context, FLOOR, Measure, POOR, Score, TOLERATED_CHORD_LOSS, TRIANGLE_WEIGHT, chord_loss};
 use super::surface_mesh::{Place, Position, SurfaceMesh, walked};
 use crate::surface::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The shares of the way to its place in shape matching that a vertex tries.
-const STRIDES: [f64; 2] = [0.9, 0.4];
+/// The shares of the displacement of shape matching that a vertex tries, one after the other.
+const STEP_SHARES: [f64; 2] = [0.9, 0.4];
 /// The weight of a face below the floor in shape matching.
-const BAD: f64 = 3.0;
-/// The floor: faces of a smaller shape draw more.
-const FLOOR: f64 = 0.5;
-/// A vertex nearer to its place than this share of an edge stays.
-const SETTLED: f64 = 1e-3;
-/// Vertices of faces of a smaller shape search for their places in every pass, ...
-const POOR: f64 = 0.3;
-/// ... and those of faces of a smaller shape than this after the passes, ...
+const BELOW_FLOOR_WEIGHT: f64 = 3.0;
+/// A vertex stays where its displacement is a smaller share of an edge.
+const LEAST_DISPLACEMENT: f64 = 1e-3;
+/// A face of a smaller shape is imperfect: its vertices search after the passes.
 const IMPERFECT: f64 = 0.8;
-/// ... in so many rounds.
+/// Rounds of the search over the vertices of imperfect faces.
 const ROUNDS: usize = 4;
-/// Further rounds over vertices of poor faces.
+/// The most rounds of the search over the vertices of poor faces that follow.
 const POOR_ROUNDS: usize = 8;
-/// How far a vertex tries to go in a search, in edges.
-const REACHES: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.025];
-/// Directions that a free vertex tries.
+/// The displacements of a search, in edges.
+const DISPLACEMENTS: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.025];
+/// The number of directions in which a free vertex searches.
 const DIRECTIONS: u32 = 8;
-/// A search must gain so much.
-const GAIN: f64 = 1e-3;
-/// A vertex goes this share of the way to its neighbour on its curve at most.
-const NEAREST: f64 = 0.5;
+/// The least gain of a search step.
+const LEAST_GAIN: f64 = 1e-3;
+/// The largest share of the distance to a neighbour on its curve that a vertex moves.
+const CURVE_SHARE: f64 = 0.5;
 
-/// Moves the vertices in `passes` of shape matching, and then searches for the places of those of imperfect faces.
+/// Relocates the vertices: `passes` of shape matching, then searches at the vertices of imperfect faces.
 pub fn relocate(context: &Context, mesh: &mut SurfaceMesh, passes: usize) {
     if passes == 0 {
         return;
@@ -60,7 +61,7 @@ pub fn relocate(context: &Context, mesh: &mut SurfaceMesh, passes: usize) {
     }
 }
 
-/// Moves the vertices in `passes` of shape matching alone.
+/// Relocates the vertices by `passes` of shape matching alone.
 pub(crate) fn match_shapes<'a>(context: &'a Context<'a>, mesh: &mut SurfaceMesh, passes: usize) -> Sweeps<'a> {
     let mut sweeps = Sweeps::new(context, mesh);
     for _ in 0..passes {
@@ -69,23 +70,24 @@ pub(crate) fn match_shapes<'a>(context: &'a Context<'a>, mesh: &mut SurfaceMesh,
     sweeps
 }
 
-/// How a vertex looks for its place.
+/// The way in which a vertex finds its position.
 #[derive(Clone, Copy)]
 enum Step {
-    /// By shape matching, and by a search where a face is poor.
+    /// Shape matching, and a search where a face is poor.
     Match,
-    /// By a search where a face has a smaller shape than this.
+    /// A search where a face has a smaller shape than this.
     Search(f64),
 }
 
 /// The state of a relocation.
 pub(crate) struct Sweeps<'a> {
     context: &'a Context<'a>,
-    /// Of each face; none where tiles are squares.
-    frames: Vec<Frame>,
+    /// The map of each face's metric; empty where tiles are squares.
+    maps: Vec<MetricMap>,
     measures: Vec<Measure>,
-    /// Vertices that have a face which changed since they looked for their place last.
-    waiting: Vec<bool>,
+    /// Whether a face of each vertex has changed since its last visit.
+    is_waiting: Vec<bool>,
+    /// The movable vertices, in sets of which no two share a face.
     colours: Vec<Vec<u32>>,
 }
 
@@ -94,27 +96,27 @@ impl<'a> Sweeps<'a> {
         let all = 0..mesh.face_bound() as u32;
         Self {
             context,
-            frames: mesh.metric().frames(all.clone().map(|f| mesh.face(f))),
+            maps: mesh.metric().maps_of(all.clone().map(|f| mesh.face(f))),
             measures: all.into_par_iter().with_min_len(1024).map(|f| mesh.measure(context, f)).collect(),
-            waiting: vec![true; mesh.vertices().len()],
+            is_waiting: vec![true; mesh.vertices().len()],
             colours: colours(mesh),
         }
     }
 
-    /// Lets each waiting vertex look for its place once, colour by colour; whether any has moved.
+    /// Visits each waiting vertex once, colour by colour; returns whether any has moved.
     fn sweep(&mut self, mesh: &mut SurfaceMesh, step: Step) -> bool {
         let mut any = false;
         for k in 0..self.colours.len() {
             let view = View { sweeps: self, mesh };
-            let looks = |&&v: &&u32| self.waiting[v as usize] && view.may_gain(v, step);
+            let is_visited = |&&v: &&u32| self.is_waiting[v as usize] && view.may_gain(v, step);
             let found: Vec<(u32, Option<Position>)> = self.colours[k]
                 .par_iter()
                 .with_min_len(128)
-                .filter(looks)
+                .filter(is_visited)
                 .map(|&v| (v, view.better(v, step)))
                 .collect();
             for &(v, ref position) in &found {
-                self.waiting[v as usize] = false;
+                self.is_waiting[v as usize] = false;
                 if let Some(position) = position {
                     mesh.set_position(v, position, self.context.surface);
                 }
@@ -125,7 +127,7 @@ impl<'a> Sweeps<'a> {
                 faces.par_iter().with_min_len(256).map(|&f| View { sweeps: self, mesh }.measure(f, None)).collect();
             for (&f, measure) in faces.iter().zip(measured) {
                 self.measures[f as usize] = measure;
-                mesh.face(f).iter().for_each(|&v| self.waiting[v as usize] = true);
+                mesh.face(f).iter().for_each(|&v| self.is_waiting[v as usize] = true);
             }
             any |= !faces.is_empty();
         }
@@ -133,14 +135,14 @@ impl<'a> Sweeps<'a> {
     }
 }
 
-/// A mesh between two moves.
+/// A mesh between two moves, with the state of the relocation.
 struct View<'a> {
     sweeps: &'a Sweeps<'a>,
     mesh: &'a SurfaceMesh,
 }
 
 impl View<'_> {
-    /// Whether a vertex has a face that the step is meant for.
+    /// Whether a step applies to a vertex.
     fn may_gain(&self, v: u32, step: Step) -> bool {
         match step {
             Step::Match => true,
@@ -148,12 +150,12 @@ impl View<'_> {
         }
     }
 
-    /// Whether a chord from a vertex to its next on a feature curve leaves the curve too far.
+    /// Whether the chords at a vertex are too far from its feature curve.
     fn leaves_its_curve(&self, v: u32) -> bool {
         let vertex = self.mesh.vertex(v);
         let Place::OnCurve { curve, s } = vertex.place else { return false };
         let position = Position::from(vertex);
-        self.range(v, curve, s).is_some_and(|range| self.chords(v, &position, &range) > FAR_CHORD_LOSS)
+        self.range(v, curve, s).is_some_and(|range| self.chords(v, &position, &range) > TOLERATED_CHORD_LOSS)
     }
 
     /// The least shape of the faces at a vertex, 0 where one is a fault.
@@ -162,7 +164,7 @@ impl View<'_> {
         measures.map(|m| if m.is_fault { 0.0 } else { m.shape }).fold(1.0, f64::min)
     }
 
-    /// The better position of a vertex, if one is found.
+    /// A better position of a vertex, if one is found.
     fn better(&self, v: u32, step: Step) -> Option<Position> {
         let range = match self.mesh.vertex(v).place {
             Place::Free => None,
@@ -180,41 +182,41 @@ impl View<'_> {
         self.searched(v, current, score, range.as_ref())
     }
 
-    /// A step of shape matching, if it gains.
+    /// The position of a step of shape matching, if it improves the score.
     fn matched(&self, v: u32, current: &Position, score: Score, range: Option<&Range>) -> Option<Position> {
         let way = self.target(v) - current.point;
         let normal = self.mesh.vertex(v).normal;
         let way = if range.is_none() { way - normal * normal.dot(way) } else { way };
         let edge = self.mesh.mean_edge_at(v);
         let length = range.map_or(way.length(), |range| way.dot(range.tangent).abs());
-        if length < SETTLED * edge {
+        if length < LEAST_DISPLACEMENT * edge {
             return None;
         }
-        STRIDES.into_iter().find_map(|stride| {
-            let position = self.moved(current, way * stride, range)?;
+        STEP_SHARES.into_iter().find_map(|share| {
+            let position = self.moved(current, way * share, range)?;
             self.score(v, &position, range).beats(&score, 0.0).then_some(position)
         })
     }
 
-    /// The best position of a pattern search, if it gains.
+    /// The position of a pattern search, if it improves the score.
     fn searched(&self, v: u32, current: Position, score: Score, range: Option<&Range>) -> Option<Position> {
         let edge = self.mesh.mean_edge_at(v);
         let (mut best, mut least) = (current, score);
-        for reach in REACHES.map(|reach| reach * edge) {
+        for length in DISPLACEMENTS.map(|share| share * edge) {
             let ways: Vec<DVec3> = match range {
-                Some(range) => vec![range.tangent * reach, range.tangent * -reach],
+                Some(range) => vec![range.tangent * length, range.tangent * -length],
                 None => {
                     let normal = self.sweeps.context.surface.normal(best.triangles[0] as usize).as_dvec3();
                     let (across, along) = normal.any_orthonormal_pair();
                     let angle = |k: u32| f64::from(k) * std::f64::consts::TAU / f64::from(DIRECTIONS);
-                    (0..DIRECTIONS).map(|k| (across * angle(k).cos() + along * angle(k).sin()) * reach).collect()
+                    (0..DIRECTIONS).map(|k| (across * angle(k).cos() + along * angle(k).sin()) * length).collect()
                 }
             };
             let tried = ways.into_iter().filter_map(|way| self.moved(&best, way, range));
             let mut found = None;
             for position in tried {
                 let score = self.score(v, &position, range);
-                if score.beats(&least, GAIN) {
+                if score.beats(&least, LEAST_GAIN) {
                     (found, least) = (Some(position), score);
                 }
             }
@@ -239,7 +241,7 @@ impl View<'_> {
         })
     }
 
-    /// Where shape matching draws a vertex.
+    /// The target of shape matching for a vertex.
     fn target(&self, v: u32) -> DVec3 {
         let here = self.mesh.point(v);
         let (mut way, mut weight) = (DVec3::ZERO, 0.0);
@@ -247,16 +249,17 @@ impl View<'_> {
             let face = self.mesh.face(f);
             let Some(at) = face.iter().position(|&w| w == v).filter(|_| face.len() <= 4) else { continue };
             let low = self.sweeps.measures[f as usize].shape < FLOOR;
-            let share = if face.len() == 3 { TRIANGLE } else { 1.0 } * if low { BAD } else { 1.0 };
-            let frame = self.sweeps.frames.get(f as usize);
-            let corner = |k: usize| laid(frame, self.mesh.point(face[(at + k) % face.len()]));
-            way += (lifted(frame, regular(face.len(), corner)) - here) * share;
+            let share =
+                if face.len() == 3 { TRIANGLE_WEIGHT } else { 1.0 } * if low { BELOW_FLOOR_WEIGHT } else { 1.0 };
+            let map = self.sweeps.maps.get(f as usize);
+            let corner = |k: usize| to_metric(map, self.mesh.point(face[(at + k) % face.len()]));
+            way += (from_metric(map, regular(face.len(), corner)) - here) * share;
             weight += share;
         }
         if weight > 0.0 { here + way / weight } else { here }
     }
 
-    /// The score of the faces and feature edges at a vertex if it were at a position.
+    /// The score of the faces and feature edges at a vertex, the vertex being at a position.
     fn score(&self, v: u32, position: &Position, range: Option<&Range>) -> Score {
         let faces: Score = self.mesh.around(v).iter().map(|&f| self.measure(f, Some((v, position))).score(0.0)).sum();
         let chords = range.map_or(0.0, |range| self.chords(v, position, range));
@@ -274,7 +277,7 @@ impl View<'_> {
         chord(range.before) + chord(range.after)
     }
 
-    /// The measure of a face, one of its vertices at a position if asked.
+    /// The measure of a face; `moved` gives one of its vertices another position.
     fn measure(&self, f: u32, moved: Option<(u32, &Position)>) -> Measure {
         let face = self.mesh.face(f);
         let mut points = [DVec3::ZERO; 4];
@@ -290,12 +293,12 @@ impl View<'_> {
             };
         }
         let (points, triangles) = (&points[..face.len()], &triangles[..face.len()]);
-        let frame = self.sweeps.frames.get(f as usize);
+        let map = self.sweeps.maps.get(f as usize);
         let orientation = &self.sweeps.context.orientation;
-        Measure::of(points, frame, Some(before), || orientation.is_inverted(points, triangles.iter().copied()))
+        Measure::of(points, map, Some(before), || orientation.is_inverted(points, triangles.iter().copied()))
     }
 
-    /// How far a vertex on a curve may go; `None` where it has no neighbour on one side.
+    /// The range of a vertex on a curve; `None` where it has no neighbour on one side.
     fn range(&self, v: u32, curve: u32, s: f64) -> Option<Range> {
         let context = self.sweeps.context;
         let line = context.curve(curve);
@@ -308,7 +311,7 @@ impl View<'_> {
                 }
             }
         }
-        let step = [before, after].map(|way| line.point(context.surface, s + NEAREST * way));
+        let step = [before, after].map(|way| line.point(context.surface, s + CURVE_SHARE * way));
         let tangent = (step[1] - step[0]).try_normalize()?;
         let edge = self.mesh.mean_edge_at(v);
         (before < 0.0 && after > 0.0).then_some(Range { s, before: s + before, after: s + after, tangent, edge })
@@ -317,7 +320,7 @@ impl View<'_> {
 
 /// The part of a curve between the neighbours of a vertex on it.
 struct Range {
-    /// The arc lengths of the vertex and its neighbours; on a closed curve they may be outside of it.
+    /// The arc lengths of the vertex and its neighbours. On a closed curve they may lie beyond the ends.
     s: f64,
     before: f64,
     after: f64,
@@ -329,16 +332,16 @@ struct Range {
 
 impl Range {
     fn clamped(&self, s: f64) -> f64 {
-        s.clamp(self.s + NEAREST * (self.before - self.s), self.s + NEAREST * (self.after - self.s))
+        s.clamp(self.s + CURVE_SHARE * (self.before - self.s), self.s + CURVE_SHARE * (self.after - self.s))
     }
 
-    /// The arc length between the neighbours that is the same place on a closed curve of a length.
+    /// The arc length between the neighbours that is the same point of a closed curve of a length.
     fn unwrapped(&self, s: f64, length: f64) -> f64 {
         [s, s - length, s + length].into_iter().find(|s| (self.before..=self.after).contains(s)).unwrap_or(s)
     }
 }
 
-/// The vertices that may move, in sets of which no two share a face.
+/// The movable vertices, in sets of which no two share a face.
 fn colours(mesh: &SurfaceMesh) -> Vec<Vec<u32>> {
     const UNCOLOURED: u8 = u8::MAX;
     let mut colour = vec![UNCOLOURED; mesh.vertices().len()];
@@ -355,7 +358,7 @@ fn colours(mesh: &SurfaceMesh) -> Vec<Vec<u32>> {
                 taken[colour[w as usize] as usize] = true;
             }
         }
-        // More than 255 colours would take a vertex of as many faces; what has none of its own stays.
+        // A vertex without one of the 255 colours stays; only a vertex of as many faces needs more.
         let free = taken.iter().position(|taken| !taken).unwrap_or(0);
         if free == sets.len() {
             if free == UNCOLOURED as usize {
@@ -373,18 +376,18 @@ fn colours(mesh: &SurfaceMesh) -> Vec<Vec<u32>> {
 pub(crate) fn regular(count: usize, corner: impl Fn(usize) -> DVec3) -> DVec3 {
     let centre = (0..count).map(&corner).sum::<DVec3>() / count as f64;
     if count == 4 {
-        // The two arms of each diagonal, those of the other one turned by a right angle.
+        // The mean of both half diagonals, the other one turned by a right angle.
         let (first, second) = (corner(0) - corner(2), corner(3) - corner(1));
         let normal = second.cross(first).normalize_or_zero();
         return centre + (first + normal.cross(second)) / 4.0;
     }
-    let arm = |k: usize| corner(k % count) - centre;
-    let normal = (0..count).map(|k| arm(k).cross(arm(k + 1))).sum::<DVec3>().normalize_or_zero();
-    // The arms of the others, turned to where this one is, averaged.
+    let radius = |k: usize| corner(k % count) - centre;
+    let normal = (0..count).map(|k| radius(k).cross(radius(k + 1))).sum::<DVec3>().normalize_or_zero();
+    // The mean of the vectors from the centre to all corners, turned to the first corner.
     let step = std::f64::consts::TAU / count as f64;
     let turned = (0..count).map(|k| {
         let (s, c) = (-(k as f64) * step).sin_cos();
-        arm(k) * c + normal.cross(arm(k)) * s
+        radius(k) * c + normal.cross(radius(k)) * s
     });
     centre + turned.sum::<DVec3>() / count as f64
 }

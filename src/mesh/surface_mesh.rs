@@ -1,9 +1,12 @@
-//! A polygon mesh on a surface: each vertex knows where on the surface it is and how it may move.
+//! A polygon mesh on a surface: each vertex has a place on the surface, which says how it may move.
 //!
 //! # Theory
-//! A vertex is free on a face of the surface, lies on a feature curve at an arc length, or is a corner. The place is known
-//! from the sampling of the features on, and every later step reads and writes it here. The mesh may be edited: faces keep
-//! their ids while others are replaced, and [`SurfaceMesh::compacted`] is the one place where vertices get new ones.
+//! A vertex is free on a triangle of the surface, lies on a feature curve at an arc length, or is a corner. The sampling of the
+//! features gives the places, and each later step keeps them.
+//!
+//! # Practice
+//! Edits keep the ids of the faces and vertices that they do not change. [`SurfaceMesh::compacted`] alone renumbers them; call
+//! it once, after the last edit.
 
 use super::incidence::{Rows, neighbours_in, undirected};
 use super::{Mesh, Metric};
@@ -11,19 +14,19 @@ use crate::surface::{NONE, Surface, WALK_EDGES, walk};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-/// Where on the surface a vertex is.
+/// The place of a vertex on the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// Off all features: it may move over the surface.
     Free,
-    /// On a feature curve: it may move along it.
+    /// On a feature curve: it may move along the curve.
     OnCurve {
-        /// The curve, by its place in [`Features::curves`](crate::surface::Features::curves).
+        /// The curve, by its index in [`Features::curves`](crate::surface::Features::curves).
         curve: u32,
         /// The arc length from the curve's first vertex, unit-sized.
         s: f64,
     },
-    /// It does not move: a corner of features, a place that several sheets share, or a vertex that the topology needs.
+    /// Fixed: a corner of features, a point that several sheets share, or a vertex that the topology needs.
     Corner,
 }
 
@@ -32,29 +35,29 @@ pub enum Place {
 pub struct Vertex {
     /// Unit-sized coordinates.
     pub point: DVec3,
-    /// Where on the surface it is.
+    /// Its place on the surface.
     pub place: Place,
-    /// The triangles of the surface on the two sides of its curve; the same twice where it is free or on a boundary, and
-    /// `u32::MAX` where more sheets meet.
+    /// The triangles of the surface on the two sides of its curve; twice the same where it is free or on a boundary, and
+    /// `u32::MAX` where more than two sides meet.
     pub triangles: [u32; 2],
     /// Unit normal of the surface; rough on features.
     pub normal: DVec3,
     /// A unit tangent direction of the cross; rough on features.
     pub axis: DVec3,
-    /// The number of faces that it should have: 4, and on features one for each right angle.
+    /// Its wanted valence, in faces: 4, and on features one for each right angle.
     pub valence: u8,
-    /// The vertex of the triangulation that it is; `u32::MAX` for one that an edit has added.
+    /// Its vertex in the triangulation; `u32::MAX` for a vertex that an edit has added.
     pub origin: u32,
 }
 
 impl Vertex {
-    /// Whether it is off all features.
+    /// Whether it lies off all features.
     pub fn is_free(&self) -> bool {
         self.place == Place::Free
     }
 }
 
-/// The new position of a vertex.
+/// A position on the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Position {
     pub point: DVec3,
@@ -69,7 +72,7 @@ impl From<&Vertex> for Position {
     }
 }
 
-/// A polygon mesh on a surface, with the faces at each vertex.
+/// A polygon mesh on a surface, with the faces at each vertex and the metric of its shapes.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceMesh {
     vertices: Vec<Vertex>,
@@ -81,8 +84,8 @@ pub struct SurfaceMesh {
 }
 
 impl SurfaceMesh {
-    /// A mesh of these faces. `features` names the curve of each edge on a feature, the smaller end first; shapes are
-    /// measured in a metric.
+    /// A mesh of these faces. `features` gives the curve of each edge on a feature, the smaller end first; `metric` is the metric
+    /// of shapes.
     pub(crate) fn new(
         vertices: Vec<Vertex>,
         faces: &[Vec<u32>],
@@ -145,12 +148,12 @@ impl SurfaceMesh {
         self.around.get(v)
     }
 
-    /// What shapes are measured in.
+    /// The metric in which shapes are measured.
     pub(crate) fn metric(&self) -> &Metric {
         &self.metric
     }
 
-    /// The face that runs from `a` to `b`.
+    /// The face to the left of the edge from `a` to `b`.
     pub(crate) fn left(&self, a: u32, b: u32) -> Option<u32> {
         self.around(a).iter().copied().find(|&face| neighbours_in(self.face(face), a)[1] == b)
     }
@@ -174,7 +177,7 @@ impl SurfaceMesh {
         })
     }
 
-    /// Adds a vertex, on no face yet; `like` is one whose metric it takes.
+    /// Adds a vertex without faces; it takes the metric of the vertex `like`.
     pub(crate) fn add_vertex(&mut self, vertex: Vertex, like: u32) -> u32 {
         self.vertices.push(vertex);
         self.around.add();
@@ -191,7 +194,7 @@ impl SurfaceMesh {
         }
     }
 
-    /// Gives a face other vertices, none where it is to go; a face that follows the last one is added.
+    /// Replaces the vertices of a face; no vertices remove the face, and the id after the last one adds a face.
     pub(crate) fn set_face(&mut self, face: u32, corners: &[u32]) {
         if face as usize == self.face_bound() {
             self.faces.add();
@@ -205,7 +208,7 @@ impl SurfaceMesh {
         }
     }
 
-    /// Takes note that an edge lies on a feature curve, or on none any more.
+    /// Sets the feature curve of an edge; `None`: it lies on no feature.
     pub(crate) fn set_feature(&mut self, edge: [u32; 2], curve: Option<u32>) {
         match curve {
             Some(curve) => self.features.insert(undirected(edge), curve),
@@ -213,7 +216,7 @@ impl SurfaceMesh {
         };
     }
 
-    /// The number of faces that a vertex on a feature should have: between two feature edges, one for each right angle.
+    /// The wanted valence of a vertex on a feature: one face for each right angle between two feature edges.
     fn wanted_valence(&self, v: u32) -> u8 {
         let is_barrier = |a: u32, b: u32| self.left(b, a).is_none() || self.curve([a, b]).is_some();
         let mut total = 0;
@@ -237,7 +240,7 @@ impl SurfaceMesh {
         if total == 0 { self.around(v).len() as u8 } else { total }
     }
 
-    /// The same mesh without the faces that are gone and the vertices that no face has, their order kept.
+    /// The same mesh without removed faces and without vertices that no face has; the order stays.
     pub fn compacted(&self) -> Self {
         let kept: Vec<u32> = (0..self.vertices.len() as u32).filter(|&v| !self.around(v).is_empty()).collect();
         let mut number = vec![NONE; self.vertices.len()];
@@ -255,7 +258,7 @@ impl SurfaceMesh {
         }
     }
 
-    /// The faces and coordinates alone, unit-sized; every vertex has a face once the mesh is compacted.
+    /// The faces and the unit-sized coordinates. Compact the mesh first: then every vertex has a face.
     pub fn to_mesh(&self) -> Mesh {
         let mut mesh = Mesh::new(self.vertices.iter().map(|vertex| vertex.point.to_array()).collect());
         self.faces().for_each(|face| mesh.push_face(face));
@@ -270,7 +273,7 @@ impl SurfaceMesh {
     }
 }
 
-/// Where the straight way over the surface from a position towards a point ends. It does not cross features.
+/// The end of the straight walk over the surface from a point of a triangle towards another point. It does not cross features.
 pub(crate) fn walked(surface: &Surface, triangle: u32, from: DVec3, to: DVec3) -> Position {
     let barrier = |h| surface.features().is_feature(h);
     let normal = surface.normal(triangle as usize).as_dvec3();

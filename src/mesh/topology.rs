@@ -1,4 +1,4 @@
-//! How a mesh hangs together.
+//! Topological invariants of meshes and surfaces.
 
 use super::{Edge, Mesh};
 use crate::sets::Sets;
@@ -6,19 +6,19 @@ use crate::surface::Surface;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// What does not change when a mesh is bent.
+/// Invariants under deformation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Topology {
-    /// Vertices in use - edges + faces.
+    /// The Euler characteristic: vertices in use - edges + faces.
     pub euler: i64,
     /// Number of closed boundary curves.
     pub boundary_loops: usize,
-    /// Number of pieces that no edge or vertex joins.
+    /// Number of connected components; faces that share a vertex are connected.
     pub components: usize,
 }
 
 impl Topology {
-    /// That of a surface none of whose vertices share a place.
+    /// The topology of a surface whose vertices all have different points.
     pub(super) fn of(surface: &Surface) -> Self {
         let half_edges = 0..3 * surface.triangle_count() as u32;
         let open: Vec<u32> = half_edges.filter(|&h| surface.twin(h).is_none()).collect();
@@ -28,7 +28,7 @@ impl Topology {
             parts.join(a, b);
             parts.join(b, c);
         });
-        // One boundary edge begins at each vertex of a boundary.
+        // One boundary edge begins at each boundary vertex.
         let mut loops = Sets::new(surface.vertex_count());
         open.iter().for_each(|&h| loops.join(surface.origin(h), surface.target(h)));
         let inner = surface.vertex_count() - open.len();
@@ -40,19 +40,19 @@ impl Topology {
     }
 }
 
-/// How the faces of a mesh, all of whose vertices there are, hang together.
-pub(super) struct Connections {
+/// The connectivity of a mesh whose faces name no missing vertex.
+pub(super) struct Connectivity {
     /// All edges, as [`Mesh::edges`] lists them.
     pub edges: Vec<Edge>,
-    /// For each vertex, into how many fans its faces fall when they are joined across the edges at it.
+    /// For each vertex, the number of fans that its faces form.
     pub fans: Vec<u32>,
     /// The vertices of each closed boundary curve, in order, the mesh to the right.
     pub loops: Vec<Vec<u32>>,
-    /// What these make.
+    /// The invariants.
     pub topology: Topology,
 }
 
-impl Connections {
+impl Connectivity {
     pub fn of(mesh: &Mesh) -> Self {
         let (edges, fans) = (mesh.edges(), fans(mesh));
         let loops = boundary_loops(mesh, &edges);
@@ -66,7 +66,7 @@ impl Connections {
     }
 }
 
-/// For each vertex, into how many fans its faces fall when they are joined across the edges at it.
+/// For each vertex, the number of fans that its faces form: the components under adjacency across the edges at it.
 fn fans(mesh: &Mesh) -> Vec<u32> {
     let mut starts = vec![0_u32; mesh.points.len() + 1];
     for &vertex in &mesh.corners {
@@ -75,24 +75,24 @@ fn fans(mesh: &Mesh) -> Vec<u32> {
     for vertex in 1..starts.len() {
         starts[vertex] += starts[vertex - 1];
     }
-    // The neighbours of each vertex before and after it in each of its faces.
-    let mut wings = vec![[0_u32; 2]; mesh.corners.len()];
+    // The neighbours of each vertex in each of its faces, before and after it.
+    let mut neighbours = vec![[0_u32; 2]; mesh.corners.len()];
     let mut place = starts.clone();
     for face in mesh.faces() {
         for (k, &vertex) in face.iter().enumerate() {
             let slot = &mut place[vertex as usize];
-            wings[*slot as usize] = [face[(k + face.len() - 1) % face.len()], face[(k + 1) % face.len()]];
+            neighbours[*slot as usize] = [face[(k + face.len() - 1) % face.len()], face[(k + 1) % face.len()]];
             *slot += 1;
         }
     }
     starts
         .par_windows(2)
         .map(|range| {
-            let wings = &wings[range[0] as usize..range[1] as usize];
+            let neighbours = &neighbours[range[0] as usize..range[1] as usize];
             let mut spokes: Vec<(u32, u32)> =
-                (0..).zip(wings).flat_map(|(id, [before, after])| [(*before, id), (*after, id)]).collect();
+                (0..).zip(neighbours).flat_map(|(id, [before, after])| [(*before, id), (*after, id)]).collect();
             spokes.sort_unstable();
-            let mut sets = Sets::new(wings.len());
+            let mut sets = Sets::new(neighbours.len());
             for pair in spokes.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
                 sets.join(pair[0].1, pair[1].1);
             }
@@ -101,7 +101,7 @@ fn fans(mesh: &Mesh) -> Vec<u32> {
         .collect()
 }
 
-/// Walks the free sides of the boundary edges; where several leave a vertex, the smallest id first.
+/// Follows the free sides of the boundary edges. Where several leave a vertex, the one with the smallest end comes first.
 fn boundary_loops(mesh: &Mesh, edges: &[Edge]) -> Vec<Vec<u32>> {
     let mut free: Vec<[u32; 2]> = edges
         .iter()

@@ -1,19 +1,19 @@
 //! A triangulation of the surface whose vertices are the tiles' centres.
 //!
 //! # Theory
-//! The tiles are put into the surface's own triangles as vertices, the surface's vertices are taken out one after the
-//! other, and edges are flipped to be intrinsically Delaunay throughout. Every step keeps the topology, so what comes
-//! out is a manifold with the surface's Euler characteristic and boundaries, whatever the tiles: nothing can be torn,
-//! and two sides of a thin part cannot be confused, since no step looks at distances in space.
+//! The triangulation begins as the surface's own triangles. The tiles are inserted as vertices, the surface's vertices are
+//! removed one after the other, and edges are flipped until they are intrinsically Delaunay. Each step keeps the topology, so
+//! the result is a manifold with the Euler characteristic and the boundaries of the surface. No step uses distances in space,
+//! so the two sides of a thin part stay apart.
 //!
 //! # Changes versus the paper
-//! The paper (section 2) searches the eight nearest tiles with similar normals. Where the surface turns sharply within
-//! a tile, or folds back on itself, that loses neighbours or finds false ones. Here the neighbours are those of this
+//! The paper (section 2) searches the eight nearest tiles with similar normals. This loses neighbours, or finds false ones,
+//! where the surface turns sharply within a tile or folds back on itself. Here the neighbours are those of this
 //! triangulation.
 //!
 //! # Practice
-//! A vertex of the surface that cannot go because a handle or a gap there is too small for the tiles stays, as an extra
-//! vertex of the mesh.
+//! A handle or a gap smaller than a tile needs vertices of the surface. These stay as vertices of the mesh;
+//! [`Triangulation::extra`] counts them. Ask for more tiles where there are many.
 
 use super::Metric;
 use super::incidence::undirected;
@@ -29,65 +29,64 @@ use glam::{DVec3, Vec3};
 use rustc_hash::FxHashMap;
 use std::f64::consts::{PI, TAU};
 
-/// Tiles are kept this far, as a share of the triangle, from the edges of the triangle that they are put into.
+/// The least barycentric coordinate of a tile in its triangle of the surface: tiles keep off the edges.
 const INSET: f64 = 1e-5;
 
 /// The tiles' centres, triangulated.
 #[derive(Clone, Debug)]
 pub struct Triangulation {
     pub(crate) faces: Intrinsic,
-    /// The tile that each vertex stands for (of a tile on a feature, one of its sides).
+    /// The tile of each vertex; of a tile on a feature, its first side.
     pub tiles: Vec<Tile>,
-    /// The side of each tile in the metric of the triangulation: 1 in that of the mosaic itself.
+    /// The side of each tile in the metric of the triangulation; 1 in the metric of the integer grid.
     pub(crate) sides: Vec<f64>,
     /// Where on the surface each vertex is.
     pub(crate) vertices: Vec<Vertex>,
-    /// The first `sites` vertices are tiles on features; the last `extra` ones are no tiles but vertices of the surface
-    /// that its topology needs.
-    pub sites: usize,
-    /// See `sites`.
+    /// The number of tiles on features: the first vertices.
+    pub feature_samples: usize,
+    /// The number of vertices of the surface that its topology needs: the last vertices.
     pub extra: usize,
     /// See [`Mosaic::factor`]; empty where tiles are squares.
     pub(crate) factors: Vec<f32>,
-    /// The first of the vertices at the place of each vertex: there are several where sheets of the surface meet.
+    /// For each vertex, the first vertex at the same point. Several vertices share a point where sheets of the surface meet.
     pub(crate) same_place: Vec<u32>,
 }
 
 /// Triangulates the tiles of a mosaic.
 pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangulation {
-    let mut work = Work::new(surface, field, mosaic.metric.as_ref());
-    let cones = work.place_cones();
-    let sites = work.place_sites(surface, mosaic);
-    work.unlock_ends(mosaic, &sites);
-    let free = work.place_free(surface, mosaic, &cones);
-    let mut is_tile = vec![false; work.faces.leaving.len()];
-    sites.iter().chain(&free).for_each(|&vertex| is_tile[vertex as usize] = true);
-    let left = work.remove_others(&is_tile);
-    let order: Vec<u32> = sites.iter().chain(&free).chain(&left).copied().collect();
+    let mut builder = TriangulationBuilder::new(surface, field, mosaic.metric.as_ref());
+    let cones = builder.insert_cones();
+    let samples = builder.insert_feature_samples(surface, mosaic);
+    builder.release_ends(mosaic, &samples);
+    let free = builder.insert_free_tiles(surface, mosaic, &cones);
+    let mut is_tile = vec![false; builder.faces.leaving.len()];
+    samples.iter().chain(&free).for_each(|&vertex| is_tile[vertex as usize] = true);
+    let extra = builder.remove_surface_vertices(&is_tile);
+    let order: Vec<u32> = samples.iter().chain(&free).chain(&extra).copied().collect();
     let mut tiles: Vec<Tile> =
-        mosaic.feature_samples.iter().map(|site| mosaic.tiles[site.first_side as usize]).collect();
+        mosaic.feature_samples.iter().map(|sample| mosaic.tiles[sample.first_side as usize]).collect();
     tiles.extend_from_slice(mosaic.free());
-    tiles.extend(left.iter().map(|&v| {
-        let corner = work.home_corner[v as usize];
-        Tile::free(surface, field, corner / 3, surface.points[v as usize], mosaic.scale)
+    tiles.extend(extra.iter().map(|&v| {
+        let point = builder.points[v as usize].as_vec3();
+        Tile::free(surface, field, builder.triangles[v as usize], point, mosaic.scale)
     }));
     let sides = tiles.iter().map(|tile| if mosaic.metric.is_some() { 1.0 } else { f64::from(tile.h) }).collect();
-    let faces = work.faces.compacted(&order);
+    let faces = builder.faces.compacted(&order);
     let mut same_place: Vec<u32> = (0..order.len() as u32).collect();
-    for (v, site) in mosaic.feature_samples.iter().enumerate() {
-        same_place[v] = site.same_place;
+    for (v, sample) in mosaic.feature_samples.iter().enumerate() {
+        same_place[v] = sample.same_place;
     }
     let factors = factors(surface, field, &tiles);
-    let places = FeaturePlaces::new(surface);
+    let locations = FeatureLocations::new(surface);
     let vertex = |(v, tile): (usize, &Tile)| {
         let (place, triangles) = match mosaic.feature_samples.get(v) {
-            Some(sample) => places.place(sample.point, mosaic.sides_of(v)),
-            None if v < order.len() - left.len() => (Place::Free, [tile.triangle; 2]),
+            Some(sample) => locations.of(sample.point, mosaic.sides_of(v)),
+            None if v < order.len() - extra.len() => (Place::Free, [tile.triangle; 2]),
             None => (Place::Corner, [NONE; 2]),
         };
         Vertex {
-            // Each sheet has divided the curve by itself; one of them gives the place to all.
-            point: work.points[order[same_place[v] as usize] as usize],
+            // Each sheet divides a shared curve by itself; all take the point of the first.
+            point: builder.points[order[same_place[v] as usize] as usize],
             place,
             triangles,
             normal: tile.normal().as_dvec3(),
@@ -97,24 +96,25 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
         }
     };
     let vertices = tiles.iter().enumerate().map(vertex).collect();
-    Triangulation { faces, tiles, sides, vertices, factors, sites: sites.len(), extra: left.len(), same_place }
+    let (feature_samples, extra) = (samples.len(), extra.len());
+    Triangulation { faces, tiles, sides, vertices, factors, feature_samples, extra, same_place }
 }
 
 /// The number of faces at a regular vertex.
 const REGULAR: u8 = 4;
 
-/// Where on the feature curves of a surface its half-edges and vertices are.
-struct FeaturePlaces<'a> {
+/// The locations of half-edges and vertices on the feature curves of a surface.
+struct FeatureLocations<'a> {
     surface: &'a Surface,
     /// Whether several sheets share each curve.
     shared: Vec<bool>,
     /// The curve and the segment of each half-edge on a feature.
     segments: FxHashMap<u32, (u32, usize)>,
-    /// The curve through each vertex on a feature, and its place along it.
+    /// The curve through each vertex on a feature, and the vertex's index on it.
     vertices: FxHashMap<u32, (u32, usize)>,
 }
 
-impl<'a> FeaturePlaces<'a> {
+impl<'a> FeatureLocations<'a> {
     fn new(surface: &'a Surface) -> Self {
         let (mut segments, mut vertices) = (FxHashMap::default(), FxHashMap::default());
         for (id, curve) in (0..).zip(surface.features().curves()) {
@@ -130,8 +130,8 @@ impl<'a> FeaturePlaces<'a> {
         Self { surface, shared: shared_curves(surface), segments, vertices }
     }
 
-    /// Where a tile on a feature is, and the triangles on its two sides; `sides` are the tile as these see it.
-    fn place(&self, point: FeaturePoint, sides: &[Tile]) -> (Place, [u32; 2]) {
+    /// The place of a tile on a feature, and the triangles on its two sides; `sides` are its copies on these sides.
+    fn of(&self, point: FeaturePoint, sides: &[Tile]) -> (Place, [u32; 2]) {
         let triangles = match *sides {
             [one] => [one.triangle; 2],
             [one, other] => [one.triangle, other.triangle],
@@ -152,7 +152,7 @@ impl<'a> FeaturePlaces<'a> {
 }
 
 impl Triangulation {
-    /// A mesh of these faces, each vertex at its place on the surface.
+    /// The mesh of these faces; its vertices are those of the triangulation.
     pub(crate) fn surface_mesh(&self, faces: &[Vec<u32>]) -> SurfaceMesh {
         let half_edges = (0..self.faces.origin.len() as u32).filter(|&h| self.faces.is_feature(h));
         let edge = |h: u32| [self.faces.origin[h as usize], self.faces.target(h)];
@@ -161,8 +161,8 @@ impl Triangulation {
         SurfaceMesh::new(self.vertices.clone(), faces, features, metric)
     }
 
-    /// For each vertex of a mesh, the first of those at its place; `origins` names the vertex that each one was, [`NONE`] for
-    /// one that is new and has its place for itself.
+    /// For each vertex of a mesh, the first vertex at the same point. `origins` names the vertex of the triangulation that each
+    /// vertex is, [`NONE`] for a vertex that an edit has added.
     pub fn joints(&self, origins: impl Iterator<Item = u32>) -> Vec<u32> {
         let mut first = vec![NONE; self.same_place.len()];
         (0..)
@@ -184,25 +184,26 @@ impl Triangulation {
     }
 }
 
-struct Work<'a> {
-    /// The mosaic's own metric, where it has one.
-    chart: Option<&'a GridMetric>,
+/// A triangulation while vertices are inserted and removed.
+struct TriangulationBuilder<'a> {
+    /// The metric of the integer grid, where the mosaic has one.
+    grid: Option<&'a GridMetric>,
     faces: Intrinsic,
     /// The triangle of the surface that each face lies in, while no edge of the surface has been flipped.
-    home: Vec<u32>,
+    triangle_of_face: Vec<u32>,
     points: Vec<DVec3>,
-    /// A corner of the surface at each of its vertices.
-    home_corner: Vec<u32>,
+    /// A triangle of the surface at each vertex.
+    triangles: Vec<u32>,
 }
 
-impl<'a> Work<'a> {
-    fn new(surface: &Surface, field: &Field, chart: Option<&'a GridMetric>) -> Self {
+impl<'a> TriangulationBuilder<'a> {
+    fn new(surface: &Surface, field: &Field, grid: Option<&'a GridMetric>) -> Self {
         let sectors = field.sectors();
         let count = 3 * surface.triangle_count();
         let mut faces = Intrinsic {
             origin: surface.triangles.iter().flatten().copied().collect(),
             twin: surface.twins.clone(),
-            length: (0..count as u32).map(|h| chart.map_or_else(|| surface.length(h), |c| c.length(h))).collect(),
+            length: (0..count as u32).map(|h| grid.map_or_else(|| surface.length(h), |c| c.length(h))).collect(),
             curve: vec![NONE; count],
             begin: Vec::with_capacity(count),
             end: Vec::with_capacity(count),
@@ -226,27 +227,27 @@ impl<'a> Work<'a> {
             faces.end.push(sectors.direction(h, sectors.corner_angle(h)) - zero);
             faces.leaving[faces.origin[h as usize] as usize] = h;
         }
-        if let Some(chart) = chart {
-            chart_directions(&mut faces, surface, field, chart);
+        if let Some(grid) = grid {
+            set_grid_directions(&mut faces, surface, field, grid);
         }
         Self {
-            chart,
-            home: (0..surface.triangle_count() as u32).collect(),
+            grid,
+            triangle_of_face: (0..surface.triangle_count() as u32).collect(),
             points: surface.points.iter().map(|p| p.as_dvec3()).collect(),
-            home_corner: faces.leaving.clone(),
+            triangles: faces.leaving.iter().map(|&corner| corner / 3).collect(),
             faces,
         }
     }
 
-    /// The vertices of the cones, which become corners of the triangles that hold them.
-    fn place_cones(&mut self) -> Vec<u32> {
-        let Some(chart) = self.chart else { return Vec::new() };
-        let place = |spot: &PlacedCone| {
-            let Cone { triangle, from_corners } = spot.cone;
+    /// Inserts the cones into the triangles that hold them; returns their vertices.
+    fn insert_cones(&mut self) -> Vec<u32> {
+        let Some(grid) = self.grid else { return Vec::new() };
+        let insert = |placed: &PlacedCone| {
+            let Cone { triangle, from_corners } = placed.cone;
             let h = [0, 1, 2].map(|k| 3 * triangle as usize + k);
-            // How far each side turns as the cone sees it, in the frame of the corner where it begins.
+            // The angle of each side at the cone, in the frame of the corner where the side begins.
             let turns = [0, 1, 2].map(|k| {
-                let ([u, v], [x, y]) = (from_corners[k], chart.steps[h[k]]);
+                let ([u, v], [x, y]) = (from_corners[k], grid.steps[h[k]]);
                 let (from, to) = ([-u, -v], [x - u, y - v]);
                 (from[0] * to[1] - from[1] * to[0]).atan2(from[0] * to[0] + from[1] * to[1]).abs()
             });
@@ -257,19 +258,20 @@ impl<'a> Work<'a> {
             debug_assert_eq!(vertex as usize + 1, last);
             let closing = 3 * (self.faces.face_count() - 1) + 2;
             self.faces.end[closing] = directions[2] + turns[2];
-            self.home.extend([triangle; 2]);
-            self.points.push(spot.position);
+            self.triangle_of_face.extend([triangle; 2]);
+            self.points.push(placed.position);
+            self.triangles.push(triangle);
             vertex
         };
-        chart.cones.iter().map(place).collect()
+        grid.cones.iter().map(insert).collect()
     }
 
-    /// The vertex of each site.
-    fn place_sites(&mut self, surface: &Surface, mosaic: &Mosaic) -> Vec<u32> {
+    /// Inserts the feature samples; returns their vertices.
+    fn insert_feature_samples(&mut self, surface: &Surface, mosaic: &Mosaic) -> Vec<u32> {
         let mut vertices = vec![NONE; mosaic.feature_samples.len()];
         let mut on_edges: Vec<(u32, f64, usize)> = Vec::new();
-        for (i, site) in mosaic.feature_samples.iter().enumerate() {
-            match site.point {
+        for (i, sample) in mosaic.feature_samples.iter().enumerate() {
+            match sample.point {
                 FeaturePoint::Vertex(v) => vertices[i] = v,
                 FeaturePoint::Edge(h, share) => on_edges.push((h, share, i)),
             }
@@ -279,7 +281,7 @@ impl<'a> Work<'a> {
         for run in on_edges.chunk_by(|a, b| a.0 == b.0) {
             let ends = [surface.origin(run[0].0), surface.target(run[0].0)];
             let [a, b] = ends.map(|v| surface.points[v as usize].as_dvec3());
-            // Splitting another edge of the triangle has given this one another number.
+            // A split of another edge of the triangle may have given this edge another half-edge.
             self.faces.ring(ends[0], &mut ring);
             let whole = ring.iter().copied().find(|&h| self.faces.target(h) == ends[1]);
             let mut h = whole.expect("an edge that is not split joins its ends");
@@ -288,11 +290,12 @@ impl<'a> Work<'a> {
                 let part = ((share - passed) / (1.0 - passed)).clamp(1e-6, 1.0 - 1e-6);
                 let twin = self.faces.twin[h as usize];
                 vertices[i] = self.faces.split_edge(h, part);
-                self.home.push(self.home[h as usize / 3]);
+                self.triangle_of_face.push(self.triangle_of_face[h as usize / 3]);
                 if twin != NONE {
-                    self.home.push(self.home[twin as usize / 3]);
+                    self.triangle_of_face.push(self.triangle_of_face[twin as usize / 3]);
                 }
                 self.points.push(a + (b - a) * share);
+                self.triangles.push(run[0].0 / 3);
                 h = self.faces.leaving[vertices[i] as usize];
                 passed = share;
             }
@@ -300,16 +303,16 @@ impl<'a> Work<'a> {
         vertices
     }
 
-    /// Lets go of features where they run on past their last tile.
-    fn unlock_ends(&mut self, mosaic: &Mosaic, sites: &[u32]) {
-        let mut is_site = vec![false; self.faces.leaving.len()];
-        sites.iter().for_each(|&vertex| is_site[vertex as usize] = true);
+    /// Releases the parts of features beyond their last samples: their edges may be flipped.
+    fn release_ends(&mut self, mosaic: &Mosaic, samples: &[u32]) {
+        let mut is_sample = vec![false; self.faces.leaving.len()];
+        samples.iter().for_each(|&vertex| is_sample[vertex as usize] = true);
         let mut ring = Vec::new();
         let mut ends: Vec<u32> = mosaic.curve_parameters.released_ends.iter().copied().collect();
         ends.sort_unstable();
         for end in ends {
             let mut vertex = end;
-            while !is_site[vertex as usize] {
+            while !is_sample[vertex as usize] {
                 self.faces.ring(vertex, &mut ring);
                 let Some(&h) = ring.iter().find(|&&h| self.faces.is_feature(h)) else { break };
                 let twin = self.faces.twin[h as usize];
@@ -319,18 +322,18 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// The vertex of each free tile.
-    fn place_free(&mut self, surface: &Surface, mosaic: &Mosaic, cones: &[u32]) -> Vec<u32> {
+    /// Inserts the tiles off features; returns their vertices.
+    fn insert_free_tiles(&mut self, surface: &Surface, mosaic: &Mosaic, cones: &[u32]) -> Vec<u32> {
         let tiles = mosaic.free();
         let mut vertices = vec![NONE; tiles.len()];
-        if let Some(chart) = self.chart {
+        if let Some(grid) = self.grid {
             // Tiles on cones are the first.
-            let placed = cones.iter().zip(&chart.cones).filter(|(_, spot)| spot.is_tile);
+            let placed = cones.iter().zip(&grid.cones).filter(|(_, placed)| placed.is_tile);
             vertices.iter_mut().zip(placed).for_each(|(vertex, (&cone, _))| *vertex = cone);
         }
         let mut order: Vec<u32> = (0..tiles.len() as u32).filter(|&i| vertices[i as usize] == NONE).collect();
         order.sort_by_key(|&i| tiles[i as usize].triangle);
-        // Walks towards a point are sure to end where the triangles are Delaunay.
+        // A walk towards a point ends in a Delaunay triangulation.
         let mut stack: Vec<u32> = (0..self.faces.origin.len() as u32).collect();
         self.legalize_within(surface, &mut stack);
         let mut face = 0;
@@ -346,17 +349,19 @@ impl<'a> Work<'a> {
             let normal = tile.normal().as_dvec3();
             face = self.locate(face, point, normal);
             let origins = [0, 1, 2].map(|k| self.faces.origin[3 * face as usize + k]);
-            let ways = origins.map(|v| self.points[v as usize] - point);
+            let offsets = origins.map(|v| self.points[v as usize] - point);
             let x = Vec3::from(tile.axis);
-            let (x, y) = match self.chart {
-                Some(chart) => chart.gradients(surface, triangle, point).into(),
+            let (x, y) = match self.grid {
+                Some(grid) => grid.gradients(surface, triangle, point).into(),
                 None => (x.as_dvec3(), cross(tile.normal(), x).as_dvec3()),
             };
-            let ways = ways.map(|w| [w.dot(x), w.dot(y)]);
-            let vertex = self.faces.split_face(face, ways.map(|[u, v]| u.hypot(v)), ways.map(|[u, v]| v.atan2(u)));
+            let offsets = offsets.map(|offset| [offset.dot(x), offset.dot(y)]);
+            let (lengths, directions) = (offsets.map(|[u, v]| u.hypot(v)), offsets.map(|[u, v]| v.atan2(u)));
+            let vertex = self.faces.split_face(face, lengths, directions);
             self.points.push(point);
+            self.triangles.push(triangle);
             vertices[i as usize] = vertex;
-            self.home.extend([triangle; 2]);
+            self.triangle_of_face.extend([triangle; 2]);
             let new = self.faces.leaving[vertex as usize];
             self.faces.ring(vertex, &mut stack);
             let mut sides: Vec<u32> = stack.iter().map(|&h| super::intrinsic::next(h)).collect();
@@ -366,24 +371,25 @@ impl<'a> Work<'a> {
         vertices
     }
 
-    /// Flips edges to be Delaunay, those of the surface's own triangles left alone.
+    /// Flips edges until they are Delaunay, but for edges of the surface.
     ///
-    /// Inside a triangle places are known, and lengths are taken from them: in the slivers beside its edges those of one
-    /// flip from another would lose their digits.
+    /// Lengths inside a triangle of the surface follow from the points: lengths of flips would lose their digits in the slivers
+    /// beside its edges.
     fn legalize_within(&mut self, surface: &Surface, stack: &mut Vec<u32>) {
-        let (home, points, chart) = (&self.home, &self.points, self.chart);
+        let (triangle_of_face, points, grid) = (&self.triangle_of_face, &self.points, self.grid);
         self.faces.legalize(
             stack,
-            |faces, h| home[h as usize / 3] == home[faces.twin[h as usize] as usize / 3],
-            |a, b, f, length| match chart {
-                Some(chart) => {
+            |faces, h| triangle_of_face[h as usize / 3] == triangle_of_face[faces.twin[h as usize] as usize / 3],
+            |a, b, f, length| match grid {
+                Some(grid) => {
                     let [a, b] = [a, b].map(|v| points[v as usize]);
-                    let parts = chart.pieces(surface, home[f as usize]);
-                    // Across the sides of a cone's parts coordinates are not linear.
+                    let parts = grid.pieces(surface, triangle_of_face[f as usize]);
+                    // Coordinates are not linear across the parts of a triangle with a cone.
                     if parts.len() > 1 {
                         return length;
                     }
-                    let [u, v] = chart.gradients(surface, home[f as usize], (a + b) / 2.0).map(|g| g.dot(b - a));
+                    let [u, v] =
+                        grid.gradients(surface, triangle_of_face[f as usize], (a + b) / 2.0).map(|g| g.dot(b - a));
                     u.hypot(v)
                 }
                 None => points[a as usize].distance(points[b as usize]),
@@ -391,7 +397,7 @@ impl<'a> Work<'a> {
         );
     }
 
-    /// The face of the same triangle of the surface that holds a point.
+    /// The face that holds a point, of those in the same triangle of the surface.
     fn locate(&self, from: u32, point: DVec3, normal: DVec3) -> u32 {
         let mut face = from;
         let mut entered = NONE;
@@ -401,7 +407,7 @@ impl<'a> Work<'a> {
                 let twin = self.faces.twin[h as usize];
                 (b - a).cross(point - a).dot(normal) < 0.0
                     && twin != NONE
-                    && self.home[twin as usize / 3] == self.home[face as usize]
+                    && self.triangle_of_face[twin as usize / 3] == self.triangle_of_face[face as usize]
             });
             let Some(h) = outside else { break };
             entered = self.faces.twin[h as usize];
@@ -410,8 +416,8 @@ impl<'a> Work<'a> {
         face
     }
 
-    /// Takes out every vertex that is no tile; returns those that have to stay.
-    fn remove_others(&mut self, is_tile: &[bool]) -> Vec<u32> {
+    /// Removes the vertices that are no tiles; returns those that the topology needs.
+    fn remove_surface_vertices(&mut self, is_tile: &[bool]) -> Vec<u32> {
         let faces = &mut self.faces;
         let mut stack: Vec<u32> = (0..faces.origin.len() as u32).collect();
         faces.legalize(&mut stack, |_, _| true, |_, _, _, length| length);
@@ -425,7 +431,7 @@ impl<'a> Work<'a> {
                 if !faces.remove(v, &mut ring) {
                     return true;
                 }
-                // What has changed lies between the neighbours.
+                // The changed edges lie between the neighbours.
                 for &w in &near {
                     faces.ring(w, &mut ring);
                     stack.extend(ring.iter().filter(|&&h| near.contains(&faces.target(h))));
@@ -440,13 +446,12 @@ impl<'a> Work<'a> {
     }
 }
 
-/// Sets the directions of corners to those of the mosaic's own coordinates, at all sectors whose triangles they keep in
-/// order.
-fn chart_directions(faces: &mut Intrinsic, surface: &Surface, field: &Field, chart: &GridMetric) {
+/// Sets the directions of corners to those of the integer grid, in the sectors where these keep the order of the triangles.
+fn set_grid_directions(faces: &mut Intrinsic, surface: &Surface, field: &Field, grid: &GridMetric) {
     let sectors = field.sectors();
     let wrapped = |angle: f64| angle - (angle / TAU).round() * TAU;
     let corner = |h: u32| {
-        let [begin, end] = chart.corner_directions(h);
+        let [begin, end] = grid.corner_directions(h);
         let begin = faces.begin[h as usize] + wrapped(begin - faces.begin[h as usize]);
         let end = faces.end[h as usize] + wrapped(end - faces.end[h as usize]);
         [begin, end]
@@ -464,7 +469,7 @@ fn chart_directions(faces: &mut Intrinsic, surface: &Surface, field: &Field, cha
     }
 }
 
-/// The point, in the plane of the triangle and inside it by a small margin.
+/// The point projected into a triangle, with barycentric coordinates of at least [`INSET`].
 fn inset([a, b, c]: [DVec3; 3], p: DVec3) -> DVec3 {
     let normal = (b - a).cross(c - a);
     let area = normal.length_squared().max(f64::MIN_POSITIVE);
@@ -474,7 +479,7 @@ fn inset([a, b, c]: [DVec3; 3], p: DVec3) -> DVec3 {
 }
 
 impl Intrinsic {
-    /// The living faces, their vertices renumbered in the given order.
+    /// The faces that are alive, with vertices numbered in the given order.
     fn compacted(&self, order: &[u32]) -> Self {
         let mut number = vec![NONE; self.leaving.len()];
         for (i, &v) in order.iter().enumerate() {

@@ -22,13 +22,13 @@ pub(super) struct Measure {
     scale: Scale,
 }
 
-/// What a measure is one of.
+/// The object of a measure.
 enum Of {
     Meshes(fn(&Figures) -> Option<f64>),
     Tiles(fn(&Row) -> f64),
 }
 
-/// Where the scale of a chart begins or ends, whatever the values.
+/// The fixed end of a chart's scale.
 enum Scale {
     To(f64),
     From(f64),
@@ -57,7 +57,7 @@ const MEASURES: [Measure; 5] = [
     },
 ];
 
-/// The measures that a plan has charts of: that of tiles where they are varied, and none where nothing is.
+/// The measures that a plan has charts of: those of meshes where a value is varied, that of tiles where the fit is.
 pub(super) fn measures(plan: &Plan) -> impl Iterator<Item = &'static Measure> {
     let varied = plan.swept().map(|values| values.len() > 1);
     let shown = move |measure: &&Measure| match measure.of {
@@ -93,7 +93,7 @@ struct Series {
     panels: Vec<Vec<(f64, f64)>>,
 }
 
-/// How a line is drawn: before clean-up, after the paper's, and as the program leaves meshes.
+/// The style of a line: before clean-up, after the paper's, and the program's meshes.
 #[derive(Clone, Copy, PartialEq)]
 enum Style {
     Dashed,
@@ -106,7 +106,7 @@ const STYLES: [(Style, &str); 3] =
 
 struct Chart {
     title: String,
-    /// What its panels vary.
+    /// The varied value of each panel.
     axes: Vec<String>,
     series: Vec<Series>,
     low: f64,
@@ -163,7 +163,7 @@ impl Chart {
         let values = series.iter().flat_map(|series| &series.panels).flatten().map(|point| point.1);
         let (least, most) =
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)));
-        // Where all is nearly the best, the chart is not to make much of little.
+        // The scale does not magnify small differences near the best value.
         let (low, high) = match measure.scale {
             Scale::To(best) => ((20.0 * least - 0.2).floor().clamp(0.0, 18.0) / 20.0, best),
             Scale::From(low) => (low, (1.1 * most).ceil().max(low + 1.0)),
@@ -195,7 +195,7 @@ impl Chart {
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
         let places = || self.series.iter().flat_map(|series| &series.panels[panel]).map(|point| point.0);
         let (left, right) = (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
-        // There is nothing to draw, and plotters would divide a range without end for ever.
+        // The panel is empty; plotters does not return from an infinite range.
         if !(left.is_finite() && right.is_finite()) {
             return Ok(());
         }

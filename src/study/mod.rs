@@ -1,16 +1,16 @@
-//! The paper's section 4: what connecting a mosaic gives, by angle and by distance.
+//! The study of the paper's section 4: measures of the connected mosaic by angle and by distance.
 //!
 //! # Theory
 //! The paper's figure 6: Qr of the ONERA M6 wing at 6,000, 30,000 and 60,000 points, as theta changes with L fixed at 1.6, and
 //! as L changes with theta fixed at 30 degrees. Its section 4.2: the same before and after clean-up.
 //!
 //! # Changes versus the paper
-//! Each mesh is measured three times: before the clean-up, after the paper's own and smoothing, which
-//! the paper has not, and as the program leaves it, with triangles paired too. A third sweep is that of the fit of tiles to the field.
+//! Each mesh is measured three times: before the connectivity optimisation; after the paper's clean-up with relocation, which
+//! the paper does not have; and as [`pipeline::run`] returns it. A third sweep varies the fit of tiles to the field.
 //!
 //! # Practice
-//! A mosaic is made once and connected many times. After each connection the table of all rows is written: a study that was
-//! interrupted goes on where it was, as long as the surfaces, the options and the program's version are the same.
+//! A mosaic is made once and connected many times. The table of all rows is written after each connection. Run an interrupted
+//! study again in the same folder: it goes on where it was, if the surfaces, the options and the program's version are the same.
 
 mod charts;
 mod page;
@@ -33,7 +33,7 @@ use thiserror::Error;
 /// The table's file.
 pub const TABLE: &str = "study.json";
 
-/// Why a study was not finished. What it has made stays, and it can be gone on with.
+/// The reason why a study was not finished. Its rows are kept; run it again to go on.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum StudyError {
@@ -71,18 +71,18 @@ pub enum StudyError {
     },
 }
 
-/// What is varied.
+/// The sweeps of a study.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Numbers of vertices.
     pub points: Vec<usize>,
-    /// Theta, in degrees, each with L as it is by default.
+    /// Values of theta, in degrees, each with the default L.
     pub angles: Vec<f64>,
-    /// L, in tile sides, each with theta as it is by default.
+    /// Values of L, in tile sides, each with the default theta.
     pub distances: Vec<f64>,
-    /// [`Options::fit`], each with theta and L as they are by default; each takes a mosaic of its own.
+    /// Values of [`Options::fit`], each with the default theta and L; each needs a mosaic of its own.
     pub fits: Vec<f64>,
-    /// All that is not varied; its fineness does not count, nor does its [`Options::connect`].
+    /// The other options; [`Options::fineness`] and [`Options::connect`] are not used.
     pub options: Options,
     /// Pixels of the pictures of meshes and mosaics.
     pub picture: [u32; 2],
@@ -112,7 +112,7 @@ impl Plan {
         [max_angle, max_distance, self.options.fit]
     }
 
-    /// What is tried of theta, L and the fit.
+    /// The values of theta, L and the fit.
     fn swept(&self) -> [&[f64]; 3] {
         [&self.angles, &self.distances, &self.fits]
     }
@@ -133,7 +133,7 @@ impl Plan {
         all
     }
 
-    /// The settings, by the mosaics that they connect: those of one fit stand together.
+    /// The settings by mosaic: those of the same fit are together.
     fn mosaics(&self) -> Vec<Vec<Setting>> {
         let mut mosaics: Vec<Vec<Setting>> = Vec::new();
         for setting in self.settings() {
@@ -146,20 +146,20 @@ impl Plan {
     }
 }
 
-/// A surface to be studied.
+/// A surface of a study.
 #[derive(Clone, Debug)]
 pub struct Subject {
     /// Its name in tables and on charts.
     pub name: String,
-    /// How the names of its files begin.
+    /// The beginning of the names of its files.
     pub stem: String,
     /// Its triangles.
     pub soup: Soup,
 }
 
 impl Subject {
-    /// A hash that another surface, or this one with other options, does not have. The text that options are shown as has
-    /// all of them; it is the same for one version of the program, and rows of another version are not read again.
+    /// A hash of the surface and the options. It takes the options as debug text, which is the same for one version of the
+    /// program; rows of another version are not read again.
     fn digest(&self, plan: &Plan) -> String {
         let connect = ConnectOptions::default();
         let options = Options { fineness: Fineness::Points(0), fit: 0.0, connect, ..plan.options.clone() };
@@ -177,12 +177,12 @@ impl Subject {
     }
 }
 
-/// Does a study in a folder that is there, or goes on with it: rows, charts, pictures and a page that shows them.
+/// Runs a study in an existing folder, or goes on with one: it writes rows, charts, pictures and a page that shows them.
 ///
-/// `progress` is told what is done next, and the share of the work that is behind, from 0 to 1.
+/// `progress` receives the share that is done, from 0 to 1, and the next step.
 ///
 /// # Errors
-/// [`StudyError`]; the rows that are done are kept.
+/// [`StudyError`]; finished rows are kept.
 pub fn run(
     folder: &Path,
     subjects: &[Subject],
@@ -191,37 +191,38 @@ pub fn run(
     progress: &dyn Fn(f64, &str),
 ) -> Result<Table, StudyError> {
     let old = table::read(&folder.join(TABLE))?;
-    let mut work = Work { folder, plan, backend, progress, table: Table::default(), done: 0.0, all: 0.0 };
+    let mut study = Study { folder, plan, backend, progress, table: Table::default(), done: 0.0, all: 0.0 };
     let mosaics = plan.mosaics();
     for subject in subjects {
         let digest = subject.digest(plan);
         let wanted = |row: &Row| row.digest == digest && row.surface == subject.name;
-        work.table.rows.extend(old.rows.iter().filter(|row| wanted(row)).cloned());
+        study.table.rows.extend(old.rows.iter().filter(|row| wanted(row)).cloned());
     }
     let points = plan.points.iter().sum::<usize>() as f64 * subjects.len() as f64;
-    work.all = points * mosaics.iter().map(|settings| LAYING + settings.len() as f64).sum::<f64>();
+    study.all = points * mosaics.iter().map(|settings| LAYING + settings.len() as f64).sum::<f64>();
     for subject in subjects {
         for &points in &plan.points {
             for settings in &mosaics {
-                work.mosaic(subject, points, settings)?;
+                study.mosaic(subject, points, settings)?;
             }
         }
     }
     let settings = plan.settings();
-    work.table.rows.retain(|row| plan.points.contains(&row.points) && settings.contains(&row.setting()));
-    work.table.sort(subjects, plan);
-    work.save()?;
+    study.table.rows.retain(|row| plan.points.contains(&row.points) && settings.contains(&row.setting()));
+    study.table.sort(subjects, plan);
+    study.save()?;
     for subject in subjects {
-        charts::write(folder, subject, plan, &work.table)?;
+        charts::write(folder, subject, plan, &study.table)?;
     }
-    page::write(folder, subjects, plan, &work.table)?;
-    Ok(work.table)
+    page::write(folder, subjects, plan, &study.table)?;
+    Ok(study.table)
 }
 
-/// How long laying a mosaic takes, in connections of it.
+/// The time of laying a mosaic, in connections of it; for the progress alone.
 const LAYING: f64 = 2.0;
 
-struct Work<'a> {
+/// A study while it runs.
+struct Study<'a> {
     folder: &'a Path,
     plan: &'a Plan,
     backend: &'a dyn Backend,
@@ -231,8 +232,8 @@ struct Work<'a> {
     all: f64,
 }
 
-impl Work<'_> {
-    /// All that is wanted of one mosaic, which these settings connect.
+impl Study<'_> {
+    /// Makes the rows and pictures of one mosaic, connected by these settings.
     fn mosaic(&mut self, subject: &Subject, points: usize, settings: &[Setting]) -> Result<(), StudyError> {
         let digest = subject.digest(self.plan);
         let usual = self.plan.usual();
@@ -249,10 +250,10 @@ impl Work<'_> {
             self.done += LAYING * points as f64;
             return Ok(());
         }
-        let say = |work: &Self, what: String| (work.progress)(work.done / work.all, &what);
+        let report = |study: &Self, what: String| (study.progress)(study.done / study.all, &what);
         let (name, fit) = (&subject.name, settings[0][2]);
         let of_fit = if self.plan.fits.is_empty() { String::new() } else { format!(", fit {fit}") };
-        say(self, format!("{name}, {points} points{of_fit}: mosaic"));
+        report(self, format!("{name}, {points} points{of_fit}: mosaic"));
         let failed = |source: PipelineError| StudyError::Pipeline { surface: name.clone(), points, source };
         let compute = |source: ComputeError| failed(source.into());
         let options = Options { fineness: Fineness::Points(points), fit, ..self.plan.options.clone() };
@@ -282,7 +283,7 @@ impl Work<'_> {
         let warnings: Vec<String> = field.guides().iter().filter_map(trouble).collect();
         for setting in missing {
             let [max_angle, max_distance, fit] = setting;
-            say(self, format!("{name}, {points} points{of_fit}: theta {max_angle}, L {max_distance}"));
+            report(self, format!("{name}, {points} points{of_fit}: theta {max_angle}, L {max_distance}"));
             let cleaned = connected(setting, true).mesh;
             let started = Instant::now();
             let meshed = connected(setting, false);

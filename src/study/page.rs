@@ -1,4 +1,4 @@
-//! The page of a study: its table, charts and pictures in one file that needs no other.
+//! The page of a study: its table, charts and pictures in one self-contained file.
 
 use super::charts::{self, measures};
 use super::{Figures, Plan, Row, StudyError, Subject, Table};

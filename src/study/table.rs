@@ -11,7 +11,7 @@ use std::path::Path;
 
 const PROGRAM: &str = concat!("quadmosaic ", env!("CARGO_PKG_VERSION"));
 
-/// What a study has found.
+/// The results of a study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// The program's name and version.
@@ -41,15 +41,15 @@ pub struct Row {
     pub max_distance: f64,
     /// How far the sides of tiles follow the field.
     pub fit: f64,
-    /// The mesh before clean-up.
+    /// The mesh before the connectivity optimisation.
     pub before: Figures,
-    /// The mesh after the paper's clean-up, smoothed.
+    /// The mesh after the paper's clean-up and relocation.
     pub cleaned: Figures,
-    /// The mesh as the program leaves it.
+    /// The mesh of the program.
     pub after: Figures,
-    /// Holes of the connected mosaic, before they were filled.
+    /// Holes of the connected mosaic before filling.
     pub holes: usize,
-    /// Broken invariants of the mesh.
+    /// Broken invariants of the mesh, and its differences from the surface.
     pub faults: usize,
     /// The largest side of a tile over the smallest.
     pub side_range: f64,
@@ -57,7 +57,7 @@ pub struct Row {
     pub mosaic_ms: f64,
     /// Milliseconds from there to the mesh.
     pub mesh_ms: f64,
-    /// What guides do not do that was asked for.
+    /// Warnings of guides without full effect.
     pub warnings: Vec<String>,
 }
 
@@ -66,7 +66,7 @@ impl Row {
         [self.max_angle, self.max_distance, self.fit]
     }
 
-    /// Before clean-up, after the paper's, and as the program leaves it.
+    /// Those before the optimisation, after the paper's clean-up, and of the program.
     pub(super) fn figures(&self) -> [&Figures; 3] {
         [&self.before, &self.cleaned, &self.after]
     }
@@ -114,7 +114,7 @@ impl Table {
     }
 }
 
-/// Reads the table of an earlier run of this program; one of another version counts for nothing.
+/// Reads the table of an earlier run; empty where there is none, or it is of another version of the program.
 pub(super) fn read(path: &Path) -> Result<Table, StudyError> {
     let failed = |reason: String| StudyError::Read { path: path.to_owned(), reason };
     match fs::read(path) {

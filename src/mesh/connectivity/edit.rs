@@ -1,35 +1,39 @@
-//! An edit: a few faces, vertices and feature edges laid over a mesh, thought through before it is made.
+//! An edit: changed faces, vertices and feature edges over a mesh that stays as it is until the edit is made.
 //!
-//! New faces and vertices have ids of their own, from [`NEW`] on, until the edit is made: it stays valid while the mesh grows
-//! elsewhere.
+//! # Practice
+//! New faces and vertices have temporary ids, from [`NEW`] on. So an edit stays valid while other edits add to the mesh; check
+//! [`Edit::is_sound`] and the faces that it changes before it is made.
 
 use crate::mesh::incidence::{neighbours_in, sides, undirected};
-use crate::mesh::surface_mesh::{SurfaceMesh, Vertex, walked};
+use crate::mesh::objective::{Context, Measure};
+use crate::mesh::surface_mesh::{Position, SurfaceMesh, Vertex, walked};
 use crate::surface::Surface;
 use glam::DVec3;
 
 /// The first id of the faces and vertices that an edit adds.
 pub(crate) const NEW: u32 = 1 << 31;
-/// No vertex, in the last corner of a triangle and in all corners of a face that is gone.
+/// No vertex: the last corner of a triangle, and all corners of a removed face.
 const NONE: u32 = u32::MAX;
 
-/// The corners of a face of at most four.
+/// The corners of a triangle or a quad.
 type Corners = [u32; 4];
 
-/// What an edit changes; faces are found by a search through all: they are few.
+/// The changes of an edit. They are few, so each look-up is a linear search.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Change {
-    /// Faces that it changes, gone ones and new ones too.
+    /// The changed faces, removed and new ones included.
     faces: Vec<(u32, Corners)>,
-    /// New vertices, each with one whose metric it takes.
+    /// The new vertices, each with the vertex whose metric it takes.
     vertices: Vec<(Vertex, u32)>,
-    /// Points towards which it moves vertices.
+    /// The new points of vertices.
     moved: Vec<(u32, DVec3)>,
-    /// Edges whose curve it changes.
+    /// The sheets about vertices that were put on the surface.
+    sheets: Vec<(u32, [u32; 2])>,
+    /// The edges whose feature curve changes.
     features: Vec<([u32; 2], Option<u32>)>,
 }
 
-/// A mesh as it would be after a change.
+/// A mesh as it is after a change.
 #[derive(Clone)]
 pub(crate) struct Edit<'a> {
     pub(crate) mesh: &'a SurfaceMesh,
@@ -51,7 +55,7 @@ impl<'a> Edit<'a> {
         self.change
     }
 
-    /// The vertices of a face; none where it is gone.
+    /// The vertices of a face; none where it is removed.
     pub(crate) fn face(&self, face: u32) -> &[u32] {
         match self.change.faces.iter().find(|changed| changed.0 == face) {
             Some((_, corners)) => slice(corners),
@@ -59,7 +63,7 @@ impl<'a> Edit<'a> {
         }
     }
 
-    /// The faces that the edit changes.
+    /// The changed faces, with their vertices after the edit.
     pub(crate) fn changed(&self) -> impl Iterator<Item = (u32, &[u32])> {
         self.change.faces.iter().map(|(face, corners)| (*face, slice(corners)))
     }
@@ -85,25 +89,50 @@ impl<'a> Edit<'a> {
         face
     }
 
-    /// Adds a vertex; `like` is one whose metric it takes.
+    /// Adds a vertex; it takes the metric of the vertex `like`.
     pub(crate) fn add_vertex(&mut self, vertex: Vertex, like: u32) -> u32 {
         self.change.vertices.push((vertex, like));
         NEW + self.change.vertices.len() as u32 - 1
     }
 
-    /// A second vertex at the place of one, which it can take some of the faces of.
+    /// Adds a copy of a vertex, without faces.
     pub(crate) fn copy(&mut self, v: u32) -> u32 {
         let vertex = Vertex { origin: u32::MAX, ..*self.vertex(v) };
         let like = self.original(v);
         self.add_vertex(vertex, like)
     }
 
-    /// Moves a vertex; it comes to lie on the surface when the edit is made.
+    /// Moves a vertex. It is projected to the surface when the edit is made.
     pub(crate) fn set_point(&mut self, v: u32, point: DVec3) {
         match self.change.moved.iter_mut().find(|moved| moved.0 == v) {
             Some(moved) => moved.1 = point,
             None => self.change.moved.push((v, point)),
         }
+    }
+
+    /// Puts a vertex at a position on the surface.
+    pub(crate) fn set_position(&mut self, v: u32, position: &Position) {
+        self.set_point(v, position.point);
+        match self.change.sheets.iter_mut().find(|sheets| sheets.0 == v) {
+            Some(sheets) => sheets.1 = position.triangles,
+            None => self.change.sheets.push((v, position.triangles)),
+        }
+    }
+
+    /// The triangles of the surface on the two sides of a vertex.
+    pub(crate) fn sheets(&self, v: u32) -> [u32; 2] {
+        let moved = self.change.sheets.iter().find(|sheets| sheets.0 == v);
+        moved.map_or_else(|| self.vertex(v).triangles, |moved| moved.1)
+    }
+
+    /// The measure of a face where its vertices are.
+    pub(crate) fn measure(&self, context: &Context, face: u32) -> Measure {
+        let corners = self.face(face);
+        let points: Vec<DVec3> = corners.iter().map(|&v| self.point(v)).collect();
+        let originals: Vec<u32> = corners.iter().map(|&v| self.original(v)).collect();
+        let map = self.mesh.metric().map_of(&originals);
+        let sheets = corners.iter().map(|&v| self.sheets(v));
+        Measure::of(&points, map.as_ref(), None, || context.orientation.is_inverted(&points, sheets))
     }
 
     pub(crate) fn set_feature(&mut self, edge: [u32; 2], curve: Option<u32>) {
@@ -114,7 +143,7 @@ impl<'a> Edit<'a> {
         }
     }
 
-    /// A vertex; the point of one that the edit moves is told by [`Self::point`].
+    /// A vertex; [`Self::point`] gives its point where the edit moves it.
     pub(crate) fn vertex(&self, v: u32) -> &Vertex {
         if v >= NEW { &self.change.vertices[(v - NEW) as usize].0 } else { self.mesh.vertex(v) }
     }
@@ -127,7 +156,7 @@ impl<'a> Edit<'a> {
         self.vertex(v).is_free()
     }
 
-    /// The vertex itself, or for a new one that whose metric it takes.
+    /// The vertex itself; for a new vertex, the one whose metric it takes.
     pub(crate) fn original(&self, v: u32) -> u32 {
         if v >= NEW { self.change.vertices[(v - NEW) as usize].1 } else { v }
     }
@@ -163,12 +192,12 @@ impl<'a> Edit<'a> {
         neighbours_in(self.face(face), v)
     }
 
-    /// The face that runs from `a` to `b`.
+    /// The face to the left of the edge from `a` to `b`.
     pub(crate) fn left(&self, a: u32, b: u32) -> Option<u32> {
         self.around(a).find(|face| self.beside(*face, a)[1] == b)
     }
 
-    /// The face across the side from `a` to `b` of a face, unless that is a feature.
+    /// The face across the side from `a` to `b` of a face, unless the side lies on a feature.
     pub(crate) fn across(&self, a: u32, b: u32) -> Option<u32> {
         self.left(b, a).filter(|_| self.curve([a, b]).is_none())
     }
@@ -183,7 +212,7 @@ impl<'a> Edit<'a> {
 
     /// The faces round a vertex counter-clockwise, from `first` on; `None` where they do not close.
     pub(crate) fn fan(&self, v: u32, first: u32) -> Option<Vec<u32>> {
-        /// Vertices of more faces are left alone.
+        /// Vertices of more faces have no fan here.
         const MOST: usize = 12;
         let mut fan = vec![first];
         loop {
@@ -198,18 +227,18 @@ impl<'a> Edit<'a> {
         }
     }
 
-    /// The squared difference of a vertex with some faces more from the number that it should have.
+    /// The squared difference between the valence of a vertex, with `more` faces, and the wanted valence.
     pub(crate) fn irregularity(&self, v: u32, more: i32) -> f64 {
         f64::from(self.valence(v) as i32 + more - self.wanted_valence(v)).powi(2)
     }
 
-    /// The number of faces that a vertex should have.
+    /// The wanted valence of a vertex.
     pub(crate) fn wanted_valence(&self, v: u32) -> i32 {
         self.vertex(v).valence.into()
     }
 
-    /// Gives `to` the faces of `from` that `which` names; `None` where one has more than four sides or has both.
-    pub(crate) fn rename(&mut self, from: u32, to: u32, which: impl Fn(u32) -> bool) -> Option<()> {
+    /// Moves the faces that satisfy `which` from a vertex to another; `None` where one has more than four sides or both vertices.
+    pub(crate) fn move_faces(&mut self, from: u32, to: u32, which: impl Fn(u32) -> bool) -> Option<()> {
         let faces: Vec<u32> = self.around(from).filter(|face| which(*face)).collect();
         for face in faces {
             let mut corners = self.face(face).to_vec();
@@ -222,27 +251,28 @@ impl<'a> Edit<'a> {
         Some(())
     }
 
-    /// Makes one vertex of two: of one that is free and another, the other stays; of two that are free, at their middle. The
-    /// faces that have both lose a corner, those of three go. `None` where neither is free.
+    /// Merges two vertices; returns the one that stays. Of a free vertex and another, the other stays; two free vertices meet at
+    /// their middle. `None` where neither is free. See [`Self::absorb`].
     pub(crate) fn merge(&mut self, a: u32, b: u32) -> Option<u32> {
-        let (stays, goes) = match (self.is_free(a), self.is_free(b)) {
+        let (kept, removed) = match (self.is_free(a), self.is_free(b)) {
             (false, false) => return None,
             (true, false) => (b, a),
             _ => (a, b),
         };
-        if self.is_free(stays) {
-            self.set_point(stays, (self.point(a) + self.point(b)) / 2.0);
+        if self.is_free(kept) {
+            self.set_point(kept, (self.point(a) + self.point(b)) / 2.0);
         }
-        self.absorb(stays, goes)
+        self.absorb(kept, removed)
     }
 
-    /// Gives one vertex the faces of another. The faces that have both lose a corner, those of three go.
-    pub(crate) fn absorb(&mut self, stays: u32, goes: u32) -> Option<u32> {
-        for face in self.around(goes).collect::<Vec<u32>>() {
+    /// Moves the faces of a vertex to another one. A quad with both becomes a triangle, a triangle with both is removed. `None`
+    /// where a face has more than four sides.
+    pub(crate) fn absorb(&mut self, kept: u32, removed: u32) -> Option<u32> {
+        for face in self.around(removed).collect::<Vec<u32>>() {
             let corners = self.face(face);
-            let rest: Vec<u32> = match corners.contains(&stays) {
-                true => corners.iter().copied().filter(|&v| v != goes).collect(),
-                false => corners.iter().map(|&v| if v == goes { stays } else { v }).collect(),
+            let rest: Vec<u32> = match corners.contains(&kept) {
+                true => corners.iter().copied().filter(|&v| v != removed).collect(),
+                false => corners.iter().map(|&v| if v == removed { kept } else { v }).collect(),
             };
             match rest.len() {
                 2 => self.set_face(face, &[]),
@@ -250,10 +280,10 @@ impl<'a> Edit<'a> {
                 _ => return None,
             }
         }
-        Some(stays)
+        Some(kept)
     }
 
-    /// The vertices of all changed faces, as they were and as they are, sorted.
+    /// The vertices of all changed faces, before and after the edit, sorted.
     pub(crate) fn touched(&self) -> Vec<u32> {
         let corners = self.changed().flat_map(|(face, corners)| corners.iter().chain(self.before(face)));
         let mut touched: Vec<u32> = corners.copied().collect();
@@ -262,15 +292,15 @@ impl<'a> Edit<'a> {
         touched
     }
 
-    /// The number of vertices that come, less those that are left without a face.
+    /// The number of vertices added, less those left without a face.
     pub(crate) fn growth(&self) -> i64 {
         let gone = self.touched().into_iter().filter(|v| self.around(*v).next().is_none()).count();
         self.change.vertices.len() as i64 - gone as i64
     }
 
-    /// Whether the faces at the touched vertices are still a manifold: one fan round each vertex, of three faces at least where
-    /// it closes inside the surface, no two edges between two vertices, no two faces with the same vertices, no boundary
-    /// where there was none, the same Euler characteristic, and no vertex on a feature without a face, except those in `dropped`.
+    /// Whether the edit keeps the mesh a manifold of the same topology. The faces at each touched vertex form one fan, of at
+    /// least three faces round a free vertex; no two edges have the same ends, and no two faces the same vertices; no new
+    /// boundary appears; the Euler characteristic stays; and each vertex on a feature has a face, except those in `dropped`.
     pub(crate) fn is_sound_without(&self, dropped: &[u32]) -> bool {
         let mut spokes: Vec<[u32; 2]> = Vec::new();
         self.touched().into_iter().all(|v| {
@@ -304,7 +334,7 @@ impl<'a> Edit<'a> {
         }) && self.euler_about(&self.touched()) == Self::new(self.mesh).euler_about(&self.touched())
     }
 
-    /// The Euler characteristic of the faces about some vertices.
+    /// The Euler characteristic of the faces at some vertices.
     fn euler_about(&self, vertices: &[u32]) -> i64 {
         let mut faces: Vec<u32> = vertices.iter().flat_map(|&v| self.around(v)).collect();
         faces.sort_unstable();
@@ -318,35 +348,35 @@ impl<'a> Edit<'a> {
         corners.len() as i64 - edges.len() as i64 + faces.len() as i64
     }
 
-    /// Whether a vertex may lie on the boundary after the edit: it did before, or it is new and on a feature.
+    /// Whether a vertex may lie on the boundary after the edit: it did before, or it is new and lies on a feature.
     fn may_be_open(&self, v: u32) -> bool {
         if v >= NEW { !self.is_free(v) } else { Self::new(self.mesh).on_boundary(v) }
     }
 
-    /// As [`Self::is_sound_without`], every vertex on a feature kept.
+    /// As [`Self::is_sound_without`], with no vertex dropped.
     pub(crate) fn is_sound(&self) -> bool {
         self.is_sound_without(&[])
     }
 }
 
 impl Change {
-    /// Makes the change of a mesh and lets its free vertices walk towards points; returns the ids of the faces it has added.
-    /// `targets` names vertices as the edit does.
+    /// Changes a mesh, and moves free vertices over the surface towards `targets`; returns the ids of the added faces. Vertices
+    /// have the ids of the edit.
     pub(crate) fn make(&self, mesh: &mut SurfaceMesh, surface: &Surface, targets: &[(u32, DVec3)]) -> Vec<u32> {
         let (first_vertex, first_face) = (mesh.vertices().len() as u32, mesh.face_bound() as u32);
-        let made = |id: u32, first: u32| if id >= NEW { id - NEW + first } else { id };
+        let final_id = |id: u32, first: u32| if id >= NEW { id - NEW + first } else { id };
         for (vertex, like) in &self.vertices {
-            mesh.add_vertex(*vertex, made(*like, first_vertex));
+            mesh.add_vertex(*vertex, final_id(*like, first_vertex));
         }
         for (face, corners) in &self.faces {
-            let corners: Vec<u32> = slice(corners).iter().map(|&v| made(v, first_vertex)).collect();
-            mesh.set_face(made(*face, first_face), &corners);
+            let corners: Vec<u32> = slice(corners).iter().map(|&v| final_id(v, first_vertex)).collect();
+            mesh.set_face(final_id(*face, first_face), &corners);
         }
         for &(ends, curve) in &self.features {
-            mesh.set_feature(ends.map(|v| made(v, first_vertex)), curve);
+            mesh.set_feature(ends.map(|v| final_id(v, first_vertex)), curve);
         }
         for &(v, target) in targets {
-            let v = made(v, first_vertex);
+            let v = final_id(v, first_vertex);
             let vertex = mesh.vertex(v);
             if vertex.is_free() {
                 let position = walked(surface, vertex.triangles[0], vertex.point, target);

@@ -1,19 +1,23 @@
-//! Connectivity optimisation: local edits of faces, one engine for all of them.
+//! Connectivity optimisation: one engine makes all local edits of faces.
 //!
 //! # Theory
-//! An [operation](operations) proposes edits about a face. An edit is judged by the [objective](super::objective) once the
-//! vertices about it have relaxed, and made where it gains: first of all fewer faults, then less loss. Edits are made in
-//! rounds: each face that is worth a look finds its best edit, the edits are made in the order of their gains and judged once
-//! more when they are made, and the faces near a change look again in the next round.
+//! An [operation](operations) proposes edits about a face. The [objective](super::objective) evaluates an edit after the vertices
+//! near it have relaxed: fewer faults come first, then less loss. Edits are made in rounds. Each face that an operation concerns
+//! finds its best edit; the edits are evaluated again and made in the order of their gains; the faces near a change are
+//! visited again in the next round.
 //!
-//! The operations that turn triangles into quads rest on this: in a mesh of quads a triangle with a vertex of valence 5 is where
-//! a row ends (a dislocation). Two ends that face each other cancel when the row between them goes; two that look away from
-//! each other, when a row is put in between; and a triangle walks, since with the quad beside it it forms a pentagon that
-//! can be cut anew.
+//! In a mesh of quads, a triangle with a vertex of valence 5 is the end of a row (a dislocation). Two ends that face each other
+//! cancel when the row between them is removed; two ends that point away from each other cancel when a row is inserted. A
+//! triangle moves when the pentagon that it forms with the quad beside it is cut in another way.
 //!
 //! # Changes versus the paper
-//! The paper's clean-up (section 3, figure 5) is the operation set in `operations/paper.rs`. It judges positions as they
-//! are and asks the field; the rest is beyond the paper.
+//! The paper's clean-up (section 3, figure 5) is the operation set of [`Quads::Paper`]. It evaluates edits with the vertices as
+//! they are, and uses the field. The other operations are not in the paper.
+//!
+//! # Practice
+//! Call [`optimise`] once, then [relocate](super::relocate), then [`untangle`] and relocation in turns until no fault is left.
+//! [`Quads::Most`] is the default; [`Quads::All`] gives up shape for the last triangles; [`Quads::Paper`] is for comparison with the
+//! paper.
 
 pub(crate) mod edit;
 pub(crate) mod operations;
@@ -21,7 +25,7 @@ mod patch;
 
 use super::objective::{Context, Measure, Score, chord_loss};
 use super::relocate::match_shapes;
-use super::surface_mesh::SurfaceMesh;
+use super::surface_mesh::{SurfaceMesh, walked};
 use crate::surface::Surface;
 use edit::{Change, Edit, NEW};
 use operations::Operation;
@@ -30,35 +34,36 @@ use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 use serde::Serialize;
 
-/// Which triangles are to become quads.
+/// The triangles that become quads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quads {
     /// Those that the paper's clean-up finds.
     Paper,
-    /// Those that gain by it.
+    /// Those whose change improves the objective.
     #[default]
     Most,
-    /// All, whatever it costs.
+    /// All, at any cost of shape.
     All,
 }
 
-/// How the connectivity is optimised.
+/// Options of the connectivity optimisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConnectivityOptions {
-    /// Which triangles are to become quads. Default [`Quads::Most`].
+    /// The triangles that become quads. Default [`Quads::Most`].
     pub quads: Quads,
-    /// The loss that one triangle less may cost, in perfect quads. Default 0.8; 0 asks for better shape.
+    /// The price of a triangle: the loss that its removal may cost, in perfect quads. Default 0.8; 0 favours shape.
     pub triangle_price: f64,
-    /// No quad gets a smaller shape (Qg) than this unless one about it had. Default 0.4; 0 still refuses concave quads.
+    /// The least shape (Qg) that an edit may leave, unless a face near it has a smaller one before. Default 0.4; 0 still refuses
+    /// concave quads.
     pub least_shape: f64,
-    /// Longest row that is taken out or put in, in quads. Default 8.
+    /// The longest row that is removed or inserted, in quads. Default 8.
     pub longest_row: usize,
-    /// Places of a walking triangle from which a way out is looked for. Default 10.
+    /// The number of positions of a triangle that its search visits. Default 10.
     pub searched: usize,
-    /// The least cost of a squared difference of a valence from the wanted one, in perfect quads, where quads are cut anew.
-    /// Default 0: in meshes with rows that end it is the shape that counts. 1 leaves continuous rows as they are.
+    /// The cost of a squared difference between a valence and the wanted one, in perfect quads, where quads are recut. Default
+    /// 0: the shape alone counts, as rows end anyway. Use 1 where rows are continuous: it keeps them.
     pub regularity: f64,
-    /// The number of vertices above the wanted one, before; the count is kept near the wanted one. Default 0.
+    /// The number of vertices above the wanted number before the optimisation, which keeps near that number. Default 0.
     pub excess: i64,
 }
 
@@ -76,38 +81,38 @@ impl Default for ConnectivityOptions {
     }
 }
 
-/// The edits that were made.
+/// The numbers of edits that were made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct EditCounts {
-    /// The paper's (a): two triangles made one quad.
+    /// The paper's (a): two triangles became one quad.
     pub merged: usize,
-    /// The paper's (b): triangle, quad, triangle made two quads.
+    /// The paper's (b): triangle, quad, triangle became two quads.
     pub recut_rows: usize,
-    /// The paper's (c): two triangles at a vertex and the quads between them made quads.
+    /// The paper's (c): two triangles at a vertex and the quads between them became quads.
     pub recut_fans: usize,
-    /// The paper's (d): vertices taken out.
+    /// The paper's (d): vertices removed.
     pub removed: usize,
-    /// Pairs of triangles that walked until they met.
+    /// Pairs of triangles that moved until they met.
     pub met: usize,
-    /// Rows taken out.
+    /// Rows removed.
     pub rows_out: usize,
-    /// Rows put in.
+    /// Rows inserted.
     pub rows_in: usize,
-    /// Dual strips put in, so that all faces could be quads.
+    /// Dual strips inserted so that all faces become quads.
     pub strips_in: usize,
-    /// Dual strips taken out, for the same.
+    /// Dual strips removed so that all faces become quads.
     pub strips_out: usize,
     /// Edges flipped to another diagonal of their two faces.
     pub flipped: usize,
-    /// Faces that went when two of their corners became one.
+    /// Faces collapsed: two of their corners were merged.
     pub collapsed: usize,
-    /// Vertices inside the surface taken out, as only two faces had them.
+    /// Vertices of valence 2 inside the surface removed.
     pub dissolved: usize,
-    /// Quads cut into two triangles, as they were faults.
+    /// Quads split into two triangles.
     pub split: usize,
-    /// Vertices added on open boundaries, so that all faces could be quads.
+    /// Vertices added on open boundaries so that all faces become quads.
     pub on_boundaries: usize,
-    /// Vertices added on other features, for the same.
+    /// Vertices added on other features so that all faces become quads.
     pub on_features: usize,
     /// Triangles before.
     pub triangles_before: usize,
@@ -115,7 +120,7 @@ pub struct EditCounts {
     pub triangles_after: usize,
 }
 
-/// What an edit does.
+/// The kind of an edit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Merge,
@@ -149,26 +154,26 @@ impl EditCounts {
     }
 }
 
-/// Rounds at most; each leaves those for the next whose surroundings another has changed.
+/// The most rounds. An edit near another one of the same round waits for the next.
 const ROUNDS: usize = 12;
-/// The count of vertices changes by one in so many at most, since so many were asked for, ...
-const DRIFT: i64 = 150;
-/// ... but on small meshes by this.
-const LEAST_DRIFT: i64 = 2;
-/// The price of a triangle where all are to go.
+/// The number of vertices may differ from the wanted number by one in so many, ...
+const VERTICES_PER_EXCESS: i64 = 150;
+/// ... and on small meshes by so many.
+const LEAST_EXCESS: i64 = 2;
+/// The price of a triangle with [`Quads::All`].
 const ALL_PRICE: f64 = 3.0;
-/// The cost of a squared difference of a valence, in perfect quads, where all are quads.
-const REGULARITY: f64 = 0.1;
-/// Passes of relocation before poor quads are cut anew.
+/// The least [`ConnectivityOptions::regularity`] with [`Quads::All`].
+const ALL_REGULARITY: f64 = 0.1;
+/// Passes of shape matching before poor quads are recut.
 const PASSES: usize = 2;
-/// Edits that gain less are not made.
+/// The least gain of an edit.
 const LEAST_GAIN: f64 = 1e-3;
-/// The gain of a fault less, in perfect quads.
-const FAULT: f64 = 10.0;
-/// An edit may lower the least shape about it by this share: a shape that nothing changed would fail a sharper test.
-const ROUNDING: f64 = 1e-3;
+/// The gain of one fault less, in perfect quads.
+const FAULT_GAIN: f64 = 10.0;
+/// The share by which an edit may lower the least shape near it. It is a tolerance for relaxation: unchanged faces move too.
+const SHAPE_TOLERANCE: f64 = 1e-3;
 
-/// Turns triangles into quads and cuts poor quads anew, as the options ask. Vertices move only where faces change.
+/// Turns triangles into quads and recuts poor quads. Returns the numbers of edits.
 pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &ConnectivityOptions) -> EditCounts {
     let mut engine = Engine::new(context, mesh, options);
     engine.counts.triangles_before = engine.triangles();
@@ -183,7 +188,7 @@ pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &Connectivit
             ConnectivityOptions { triangle_price: ALL_PRICE, longest_row, searched: 10 * options.searched, ..*options };
         engine.run(&[operations::PAIR]);
         operations::pair_along_strips(&mut engine);
-        engine.options.regularity = options.regularity.max(REGULARITY);
+        engine.options.regularity = options.regularity.max(ALL_REGULARITY);
     }
     let (options, excess, counts) = (engine.options, engine.excess, engine.counts);
     match_shapes(context, mesh, PASSES);
@@ -193,8 +198,8 @@ pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &Connectivit
     engine.finish()
 }
 
-/// Mends faults: faces that are inverted, concave or without area. The vertices about the edits, which `counts` gets, have
-/// relaxed. False where there is nothing to mend or nothing helps.
+/// Untangles faces that are inverted, concave or without area, by edits; `counts` grows by these. Returns whether there are fewer
+/// faults than before.
 pub fn untangle(
     context: &Context,
     mesh: &mut SurfaceMesh,
@@ -202,23 +207,25 @@ pub fn untangle(
     counts: &mut EditCounts,
 ) -> bool {
     let mut engine = Engine::new(context, mesh, options);
-    if !engine.measures.iter().any(|measure| measure.is_fault) {
+    if engine.faults() == 0 {
         return false;
     }
     engine.counts = *counts;
+    let before = engine.faults();
     engine.run(&operations::UNTANGLE);
     if options.quads == Quads::All {
         operations::put_rings(&mut engine);
     }
-    let before = std::mem::replace(counts, engine.finish());
-    before != *counts
+    let is_better = engine.faults() < before;
+    *counts = engine.finish();
+    is_better
 }
 
-/// A mesh under work.
+/// The engine: a mesh while edits are made.
 pub(crate) struct Engine<'a> {
     context: &'a Context<'a>,
     mesh: &'a mut SurfaceMesh,
-    /// The measures of the faces as they are.
+    /// The measures of the faces.
     measures: Vec<Measure>,
     options: ConnectivityOptions,
     /// The number of vertices above the wanted one.
@@ -226,20 +233,22 @@ pub(crate) struct Engine<'a> {
     counts: EditCounts,
 }
 
-/// The best edit about a face, by value: the mesh may change before it is made.
-struct Found {
+/// The best edit about a face. It holds no reference to the mesh, which may change before the edit is made.
+struct Candidate {
     face: u32,
     kind: Kind,
     change: Change,
-    judged: Judged,
+    evaluation: Evaluation,
 }
 
-/// What an edit is worth.
-struct Judged {
+/// The evaluation of an edit.
+struct Evaluation {
+    /// In perfect quads.
     gain: f64,
+    /// The points of the vertices that relaxed.
     targets: Vec<(u32, glam::DVec3)>,
-    /// The old faces that must still be as they were.
-    core: Vec<u32>,
+    /// The faces of the mesh that it depends on.
+    neighbourhood: Vec<u32>,
 }
 
 impl<'a> Engine<'a> {
@@ -262,6 +271,10 @@ impl<'a> Engine<'a> {
         self.mesh.faces().filter(|face| face.len() == 3).count()
     }
 
+    fn faults(&self) -> usize {
+        self.measures.iter().filter(|measure| measure.is_fault).count()
+    }
+
     fn is_triangle(&self, face: u32) -> bool {
         self.mesh.face(face).len() == 3
     }
@@ -270,39 +283,39 @@ impl<'a> Engine<'a> {
         !self.mesh.face(face).is_empty() && self.measures[face as usize].is_fault
     }
 
-    /// All faces that an operation concerns, in order.
+    /// The faces that an operation concerns, in order.
     fn concerned(&self, operations: &[Operation]) -> Vec<u32> {
         let all = (0..self.mesh.face_bound() as u32).into_par_iter().with_min_len(4096);
         all.filter(|&face| operations.iter().any(|operation| (operation.concerns)(self, face))).collect()
     }
 
-    /// Makes the best edit about each face that an operation concerns, in rounds, until none gains any more.
+    /// Makes the best edit about each face that an operation concerns, in rounds, until none gains.
     fn run(&mut self, operations: &[Operation]) {
         let mut waiting = self.concerned(operations);
-        let most_excess = (self.mesh.vertices().len() as i64 / DRIFT).max(LEAST_DRIFT);
+        let most_excess = (self.mesh.vertices().len() as i64 / VERTICES_PER_EXCESS).max(LEAST_EXCESS);
         for _ in 0..ROUNDS {
             let best = |&face: &u32| self.best(operations, face);
-            let mut found: Vec<Found> = waiting.par_iter().filter_map(best).collect();
-            found.sort_by(|a, b| b.judged.gain.total_cmp(&a.judged.gain));
+            let mut candidates: Vec<Candidate> = waiting.par_iter().filter_map(best).collect();
+            candidates.sort_by(|a, b| b.evaluation.gain.total_cmp(&a.evaluation.gain));
             let mut changed: FxHashSet<u32> = FxHashSet::default();
             let mut again = Vec::new();
-            for Found { face, kind, change, judged } in found {
-                if judged.core.iter().any(|face| changed.contains(face)) {
+            for Candidate { face, kind, change, evaluation } in candidates {
+                if evaluation.neighbourhood.iter().any(|face| changed.contains(face)) {
                     again.push(face);
                     continue;
                 }
                 let edit = Edit::with(self.mesh, change);
                 let excess = self.excess + edit.growth();
-                // An earlier change may have moved what lies about this one.
-                let judged = self.judge(&edit).filter(|judged| judged.gain > LEAST_GAIN);
-                let Some(judged) = judged else { continue };
-                if excess.abs() > self.excess.abs().max(most_excess) && judged.gain < FAULT {
+                // An earlier edit of the round may have moved vertices near this one.
+                let evaluation = self.evaluate(&edit).filter(|evaluation| evaluation.gain > LEAST_GAIN);
+                let Some(evaluation) = evaluation.filter(|evaluation| self.holds(&edit, evaluation)) else { continue };
+                if excess.abs() > self.excess.abs().max(most_excess) && evaluation.gain < FAULT_GAIN {
                     continue;
                 }
                 changed.extend(edit.changed().map(|(face, _)| face).filter(|face| *face < NEW));
-                again.extend(&judged.core);
+                again.extend(&evaluation.neighbourhood);
                 let change = edit.into_change();
-                again.extend(self.make(&change, &judged.targets));
+                again.extend(self.make(&change, &evaluation.targets));
                 self.excess = excess;
                 self.counts.count(kind);
             }
@@ -317,33 +330,53 @@ impl<'a> Engine<'a> {
     }
 
     /// The edit about a face that gains most, of the first operation that has one.
-    fn best(&self, operations: &[Operation], face: u32) -> Option<Found> {
+    fn best(&self, operations: &[Operation], face: u32) -> Option<Candidate> {
         let concerned = operations.iter().filter(|operation| (operation.concerns)(self, face));
         concerned.map(|operation| (operation.propose)(self, face)).find_map(|edits| {
             edits
                 .into_iter()
-                .filter_map(|(kind, edit)| Some((self.judge(&edit)?, kind, edit)))
-                .filter(|(judged, ..)| judged.gain > LEAST_GAIN)
+                .filter_map(|(kind, edit)| Some((self.evaluate(&edit)?, kind, edit)))
+                .filter(|(evaluation, ..)| evaluation.gain > LEAST_GAIN)
                 .reduce(|best, other| if other.0.gain > best.0.gain { other } else { best })
-                .map(|(judged, kind, edit)| Found { face, kind, change: edit.into_change(), judged })
+                .map(|(evaluation, kind, edit)| Candidate { face, kind, change: edit.into_change(), evaluation })
         })
     }
 
-    /// What an edit is worth once the vertices about it have relaxed; `None` where it adds a fault or a quad of too small a shape.
-    fn judge(&self, edit: &Edit) -> Option<Judged> {
+    /// The evaluation of an edit after local relaxation; `None` where it adds a fault or leaves too small a shape.
+    fn evaluate(&self, edit: &Edit) -> Option<Evaluation> {
         let relaxed = relaxed(self.context, edit, &self.measures, self.options.triangle_price);
         let (before, after) = (relaxed.before, relaxed.after);
-        let least = self.options.least_shape.min((1.0 - ROUNDING) * relaxed.least_before);
+        let least = self.options.least_shape.min((1.0 - SHAPE_TOLERANCE) * relaxed.least_before);
         if after.faults > before.faults || (after.faults == before.faults && relaxed.least_after < least) {
             return None;
         }
-        let relief = if self.options.regularity > 0.0 { self.options.regularity * self.relief(edit) } else { 0.0 };
-        let gain = gain(before, after) + relief - self.chord_loss(edit);
-        let core = relaxed.core.into_iter().filter(|face| *face < NEW).collect();
-        Some(Judged { gain, targets: relaxed.targets, core })
+        let regularity = self.options.regularity;
+        let regularity_gain = if regularity > 0.0 { regularity * self.irregularity_removed(edit) } else { 0.0 };
+        let gain = gain(before, after) + regularity_gain - self.chord_loss(edit);
+        let neighbourhood = relaxed.neighbourhood.into_iter().filter(|face| *face < NEW).collect();
+        Some(Evaluation { gain, targets: relaxed.targets, neighbourhood })
     }
 
-    /// By how much the loss of chords of feature curves grows.
+    /// Whether an edit adds no fault once its vertices have walked to their places. On small triangles and beside features a
+    /// walk may end elsewhere than the move in the tangent plane.
+    fn holds(&self, edit: &Edit, evaluation: &Evaluation) -> bool {
+        let mut walked_to = edit.clone();
+        for &(v, target) in &evaluation.targets {
+            let vertex = edit.vertex(v);
+            let position = walked(self.surface(), vertex.triangles[0], vertex.point, target);
+            walked_to.set_position(v, &position);
+        }
+        let vertices = edit.touched().into_iter().chain(evaluation.targets.iter().map(|&(v, _)| v));
+        let mut faces: Vec<u32> = vertices.flat_map(|v| edit.around(v).collect::<Vec<_>>()).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        let changed: Vec<u32> = edit.changed().map(|(face, _)| face).collect();
+        let old = faces.iter().chain(changed.iter().filter(|face| edit.face(**face).is_empty()));
+        let before = old.filter(|&&face| face < NEW && self.is_fault(face)).count();
+        faces.iter().filter(|&&face| walked_to.measure(self.context, face).is_fault).take(before + 1).count() <= before
+    }
+
+    /// The growth of the loss of the feature edges' chords.
     fn chord_loss(&self, edit: &Edit) -> f64 {
         let distance = |[a, b]: [u32; 2], curve: u32| {
             let line = self.context.curve(curve);
@@ -357,15 +390,15 @@ impl<'a> Engine<'a> {
         edit.changed_features().map(|(edge, [before, after])| loss(edge, after) - loss(edge, before)).sum()
     }
 
-    /// By how much the sum of squared differences of valences from the wanted ones falls.
-    fn relief(&self, edit: &Edit) -> f64 {
+    /// The decrease of the sum of squared differences between valences and the wanted ones.
+    fn irregularity_removed(&self, edit: &Edit) -> f64 {
         let before = Edit::new(self.mesh);
         let squared = |edit: &Edit, v: u32| if edit.valence(v) > 0 { edit.irregularity(v, 0) } else { 0.0 };
         let was = |v: u32| if v < NEW { squared(&before, v) } else { 0.0 };
         edit.touched().into_iter().map(|v| was(v) - squared(edit, v)).sum()
     }
 
-    /// Makes a change and measures the faces that it touches; returns the new ones.
+    /// Makes a change and measures the faces that it touches; returns the added faces.
     fn make(&mut self, change: &Change, targets: &[(u32, glam::DVec3)]) -> Vec<u32> {
         let first_vertex = self.mesh.vertices().len() as u32;
         let edit = Edit::with(self.mesh, change.clone());
@@ -387,5 +420,5 @@ impl<'a> Engine<'a> {
 
 /// The gain of an edit between two scores, in perfect quads.
 fn gain(before: Score, after: Score) -> f64 {
-    FAULT * (f64::from(before.faults) - f64::from(after.faults)) + before.loss - after.loss
+    FAULT_GAIN * (f64::from(before.faults) - f64::from(after.faults)) + before.loss - after.loss
 }

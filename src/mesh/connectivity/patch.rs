@@ -1,38 +1,41 @@
-//! Local relaxation: what an edit is worth once the vertices about it have moved to where they will be.
+//! Local relaxation: the scores about an edit after the vertices near it have moved.
 //!
-//! The vertices move in their tangent planes, to where shape matching draws them; [relocation](crate::mesh::relocate) does the
-//! same on the surface in the end.
+//! # Theory
+//! The free vertices near the edit move by shape matching, as in [relocation](crate::mesh::relocate), but in their tangent planes:
+//! this is fast, and near enough to the relocation that follows.
 
 use super::edit::{Edit, NEW};
-use crate::mesh::metric::{Frame, laid, lifted};
-use crate::mesh::objective::{Context, Measure, Score, TRIANGLE};
+use crate::mesh::metric::{MetricMap, from_metric, to_metric};
+use crate::mesh::objective::{Context, Measure, Score, TRIANGLE_WEIGHT};
 use crate::mesh::relocate::regular;
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Rings of faces about a changed face whose inner vertices move.
+/// The patch has so many rings of faces about the changed faces; vertices inside it move.
 const RINGS: usize = 2;
-/// Sweeps over them.
+/// Sweeps over the vertices.
 const SWEEPS: usize = 6;
-/// The share of the way to its place that a vertex moves in a sweep.
-const STRIDE: f64 = 0.8;
+/// The relaxation factor of a sweep.
+const RELAXATION: f64 = 0.8;
 
-/// What has become of an edit.
+/// An edit after local relaxation.
 pub(crate) struct Relaxed {
-    /// Where the vertices are drawn to that may move.
+    /// The points of the vertices that moved.
     pub targets: Vec<(u32, DVec3)>,
-    /// The faces about the edit, before and after it.
+    /// The score of the patch before the edit.
     pub before: Score,
+    /// The score of the patch after the edit.
     pub after: Score,
-    /// The least measures of a face, see [`Measure::least`].
+    /// The least [`Measure::least`] of the patch before the edit.
     pub least_before: f64,
+    /// The least [`Measure::least`] of the patch after the edit.
     pub least_after: f64,
-    /// The faces that changed and those at their vertices.
-    pub core: Vec<u32>,
+    /// The changed faces and those at their vertices.
+    pub neighbourhood: Vec<u32>,
 }
 
-/// Moves the vertices about the changed faces to where these are nearest to squares, and measures the faces. `known` are the
-/// measures of the mesh's faces as they are; a triangle costs a price.
+/// Relaxes the vertices near an edit, and measures the patch. `known` are the measures of the faces of the mesh; `price` is the
+/// price of a triangle.
 pub(crate) fn relaxed(context: &Context, edit: &Edit, known: &[Measure], price: f64) -> Relaxed {
     let mut patch = Patch::about(edit);
     (0..SWEEPS).for_each(|_| patch.sweep());
@@ -48,37 +51,37 @@ pub(crate) fn relaxed(context: &Context, edit: &Edit, known: &[Measure], price: 
         after: new.iter().map(|measure| measure.score(price)).sum(),
         least_before: least(&mut old.into_iter()),
         least_after: least(&mut new.iter()),
-        core: gone().chain(patch.faces[..patch.core].iter().copied()).collect(),
+        neighbourhood: gone().chain(patch.faces[..patch.first_ring].iter().copied()).collect(),
         targets: patch.free.iter().map(|&v| (patch.vertices[v], patch.points[v])).collect(),
     }
 }
 
-/// The faces about an edit, with numbers of its own for their vertices.
+/// The faces near an edit, with local numbers for their vertices.
 struct Patch<'a> {
     edit: &'a Edit<'a>,
     vertices: Vec<u32>,
     points: Vec<DVec3>,
     normals: Vec<DVec3>,
     faces: Vec<u32>,
-    /// The first of the faces have a vertex of a changed one.
-    core: usize,
+    /// The number of faces in the first ring: the first faces.
+    first_ring: usize,
     corners: Vec<Vec<usize>>,
-    /// The metric of the faces; none where tiles are squares.
-    frames: Vec<Frame>,
+    /// The maps of the faces' metric; empty where tiles are squares.
+    maps: Vec<MetricMap>,
     /// The vertices that move.
     free: Vec<usize>,
-    /// For each vertex of `free`, the faces that it has and which of their corners it is.
+    /// For each vertex of `free`, its faces and its corner in each.
     uses: Vec<Vec<(usize, usize)>>,
 }
 
 impl<'a> Patch<'a> {
     fn about(edit: &'a Edit<'a>) -> Self {
         let mut vertices = edit.touched();
-        // A vertex that was merged with another has no face.
+        // A merged vertex has no face.
         vertices.retain(|&v| edit.around(v).next().is_some());
         let mut number: FxHashMap<u32, usize> = vertices.iter().enumerate().map(|(k, v)| (*v, k)).collect();
         let (mut faces, mut seen) = (Vec::new(), FxHashSet::default());
-        let (mut core, mut inner) = (0, 0);
+        let (mut first_ring, mut inner) = (0, 0);
         for ring in 0..RINGS {
             let begin = std::mem::replace(&mut inner, vertices.len());
             for k in begin..inner {
@@ -93,7 +96,7 @@ impl<'a> Patch<'a> {
                 }
             }
             if ring == 0 {
-                core = faces.len();
+                first_ring = faces.len();
             }
         }
         let corners: Vec<Vec<usize>> =
@@ -108,13 +111,13 @@ impl<'a> Patch<'a> {
         let free: Vec<usize> = (0..inner).filter(|&v| edit.is_free(vertices[v])).collect();
         Self {
             edit,
-            frames: edit.mesh.metric().frames(faces.iter().map(originals)),
+            maps: edit.mesh.metric().maps_of(faces.iter().map(originals)),
             points: vertices.iter().map(|&v| edit.point(v)).collect(),
             normals: vertices.iter().map(|&v| edit.vertex(v).normal).collect(),
             uses: free.iter().map(|&v| std::mem::take(&mut all_uses[v])).collect(),
             vertices,
             faces,
-            core,
+            first_ring,
             corners,
             free,
         }
@@ -125,14 +128,14 @@ impl<'a> Patch<'a> {
             let (mut way, mut weight) = (DVec3::ZERO, 0.0);
             for &(f, at) in uses {
                 let face = &self.corners[f];
-                let share = if face.len() == 3 { TRIANGLE } else { 1.0 };
-                let frame = self.frames.get(f);
-                let corner = |k: usize| laid(frame, self.points[face[(at + k) % face.len()]]);
-                let target = lifted(frame, regular(face.len(), corner));
+                let share = if face.len() == 3 { TRIANGLE_WEIGHT } else { 1.0 };
+                let map = self.maps.get(f);
+                let corner = |k: usize| to_metric(map, self.points[face[(at + k) % face.len()]]);
+                let target = from_metric(map, regular(face.len(), corner));
                 way += (target - self.points[v]) * share;
                 weight += share;
             }
-            let (way, normal) = (way * (STRIDE / weight), self.normals[v]);
+            let (way, normal) = (way * (RELAXATION / weight), self.normals[v]);
             self.points[v] += way - normal * normal.dot(way);
         }
     }
@@ -147,6 +150,6 @@ impl<'a> Patch<'a> {
         let is_same = face < NEW && !self.edit.changed().any(|(changed, _)| changed == face);
         let before = is_same.then(|| &known[face as usize]);
         let sheets = corners.iter().map(|&v| self.edit.vertex(self.vertices[v]).triangles);
-        Measure::of(points, self.frames.get(f), before, || context.orientation.is_inverted(points, sheets))
+        Measure::of(points, self.maps.get(f), before, || context.orientation.is_inverted(points, sheets))
     }
 }

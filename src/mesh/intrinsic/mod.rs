@@ -1,14 +1,14 @@
 //! An intrinsic triangulation: connectivity, edge lengths, and the directions of edges at their vertices; no coordinates.
 //!
 //! # Theory
-//! After Sharp, Soliman and Crane 2019, *Navigating intrinsic triangulations*: edges are geodesics of the surface, known
-//! by their lengths, and each half-edge knows its direction at its origin. Flips are exact, whatever the shape in space:
-//! a thin trailing edge or a strongly curved nose is as flat here as a plane.
+//! After Sharp, Soliman and Crane 2019, *Navigating intrinsic triangulations*: edges are geodesics of the surface, given
+//! by their lengths, and each half-edge has its direction at its origin. Flips are exact, whatever the shape in space: a thin
+//! trailing edge and a strongly curved nose are intrinsically flat.
 //!
 //! # Practice
-//! Half-edge `3 f + k` leaves corner `k` of face `f`. A corner holds the directions at which it begins and ends, scaled
-//! as the field's sectors are, so that splitting and joining corners never loses an angle. The triangulation stays
-//! simplicial: no operation makes a second edge between two vertices.
+//! Half-edge `3 f + k` leaves corner `k` of face `f`. A corner has the directions at which it begins and ends, scaled like the
+//! field's sectors, so that no angle is lost where corners are split and joined. The triangulation stays simplicial: no
+//! operation makes a second edge between two vertices. An operation that would returns false; check the result.
 
 mod removal;
 

@@ -1,15 +1,15 @@
-//! Taking vertices out of an intrinsic triangulation.
+//! Removal of vertices from an intrinsic triangulation.
 //!
 //! # Theory
-//! A vertex loses its edges one by one to flips, which are exact, until only three are left (two and one a side on a
-//! feature); then it is pulled into a neighbour, which is exact too where the surface is flat. Only where flips are
-//! refused (a second edge between two vertices would come about) are lengths estimated, by unfolding round the vertex.
+//! Flips, which are exact, remove the edges of a vertex until three are left (on a feature two, and one on each side). Then
+//! the vertex is collapsed into a neighbour, which is exact where the surface is flat. Where a flip would make a second edge
+//! between two vertices, the vertex is collapsed with more edges, and the new lengths are estimated by unfolding its faces.
 
 use super::{Intrinsic, angle, next, previous, third_side};
 use crate::surface::NONE;
 use std::f64::consts::{PI, TAU};
 
-/// The faces round a vertex `v` that is about to be pulled into `x`: face `i` is `(v, w_i, w_i+1)`, `w_0 = x`.
+/// The faces round a vertex `v` that is to be collapsed into `x`: face `i` is `(v, w_i, w_i+1)`, `w_0 = x`.
 struct Fan {
     /// Half-edges `v -> w_i`.
     spokes: Vec<u32>,
@@ -20,9 +20,9 @@ struct Fan {
 }
 
 impl Intrinsic {
-    /// Takes a vertex out. One on a feature (two feature edges) goes into a neighbour along it.
+    /// Removes a vertex. A vertex on a feature (two feature edges) is collapsed into a neighbour on it.
     ///
-    /// False where the topology of the surface needs the vertex: no neighbour can take it without a double edge.
+    /// False where the topology of the surface needs the vertex: each collapse would make a double edge.
     pub fn remove(&mut self, vertex: u32, ring: &mut Vec<u32>) -> bool {
         loop {
             let closed = self.ring(vertex, ring);
@@ -32,10 +32,10 @@ impl Intrinsic {
         }
         let closed = self.ring(vertex, ring);
         let on_feature = !closed || ring.iter().any(|&h| self.is_feature(h));
-        let mut ways: Vec<u32> = if closed { ring.clone() } else { vec![ring[0]] };
-        ways.retain(|&h| !on_feature || self.is_feature(h));
-        ways.sort_by(|&g, &h| self.length[g as usize].total_cmp(&self.length[h as usize]).then(g.cmp(&h)));
-        ways.into_iter().any(|h| {
+        let mut candidates: Vec<u32> = if closed { ring.clone() } else { vec![ring[0]] };
+        candidates.retain(|&h| !on_feature || self.is_feature(h));
+        candidates.sort_by(|&g, &h| self.length[g as usize].total_cmp(&self.length[h as usize]).then(g.cmp(&h)));
+        candidates.into_iter().any(|h| {
             let fan = self.fan(h, ring, closed);
             let fits = self.may_collapse(&fan);
             if fits {

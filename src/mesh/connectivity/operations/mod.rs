@@ -17,17 +17,17 @@ use super::{Engine, Kind};
 
 /// An operation.
 pub(super) struct Operation {
-    /// Whether a face is worth a look.
+    /// Whether edits about a face are proposed.
     pub concerns: fn(&Engine, u32) -> bool,
-    /// The edits about a face that may be worth it; all of them leave a manifold.
+    /// The proposed edits about a face; each keeps the mesh a manifold.
     pub propose: for<'e> fn(&'e Engine, u32) -> Vec<(Kind, Edit<'e>)>,
 }
 
-/// Triangles walk until they meet; rows between them come or go.
+/// Triangles move until they meet; rows between them are inserted or removed.
 pub(super) const PAIR: Operation = Operation { concerns: is_triangle, propose: search::ways_out };
-/// Quads about irregular vertices and faces of a poor shape are cut anew, or go.
-pub(super) const RECUT: Operation = Operation { concerns: recut::is_poor, propose: recut::recuts };
-/// Faults are cut anew, go, or are split; in one step, else in two.
+/// Poor faces, and quads with irregular vertices, are recut or collapsed.
+pub(super) const RECUT: Operation = Operation { concerns: recut::is_candidate, propose: recut::recuts };
+/// Faults are recut, collapsed or split, by one edit or by two.
 pub(super) const UNTANGLE: [Operation; 2] = [
     Operation { concerns: is_fault, propose: untangle::once },
     Operation { concerns: is_fault, propose: untangle::twice },

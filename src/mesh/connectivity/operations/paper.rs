@@ -1,46 +1,49 @@
-//! The paper's clean-up: fewer triangles, and no vertex of valence 2 or of valence 3 among triangles.
+//! The paper's clean-up: it removes triangles, vertices of valence 2, and vertices of valence 3 among triangles.
 //!
 //! # Theory
 //! The paper, section 3 and figure 5: four patterns are searched for and replaced, in the order (b), (c), (a), (d), over all
-//! elements, two rounds.
+//! elements, in two rounds.
 //!
 //! # Changes versus the paper
-//! The figure is not in the text we have, so the patterns are read from the text:
+//! The figure is not in the text that this program was written from, so the patterns follow the text:
 //! - (a) two triangles that share an edge become a quad;
 //! - (b) triangle, quad, triangle in a row become two quads, cut along the field;
-//! - (c) two triangles at one vertex with a quad between them, or two quads and so one edge, become quads;
-//! - (d) a vertex whose faces leave an outline of three or four vertices goes, and one face takes their place: two quads that
-//!   share two edges, three triangles, two triangles and a quad, four triangles.
+//! - (c) two triangles at one vertex with one or two quads between them become quads;
+//! - (d) a vertex whose faces have an outline of three or four vertices is removed, and one face replaces its faces: two quads
+//!   that share two edges, three triangles, two triangles and a quad, four triangles.
 //!
-//! (a), (b) and (c) are one operation, for 0, 1 and 2 quads: the outline of two triangles and the quads between them is cut
-//! into quads in the best way there is.
+//! (a), (b) and (c) are one operation, for 0, 1 and 2 quads: it cuts the outline of two triangles and the quads between them
+//! into quads at least cost.
 //!
-//! An edit is made where the sum of what the elements are worth grows: a quad its shape (Qg), a triangle half its shape (Tg)
-//! less a price, and an edge aslant to the cross field costs. Positions stay.
+//! An edit is made where the value of the elements grows. The value of a quad is its shape (Qg), that of a triangle half its
+//! shape (Tg) less a price; an inner edge at an angle to the cross field has a cost. Vertices do not move.
+//!
+//! # Practice
+//! For comparison with the paper; the other operations leave fewer triangles.
 
 use super::super::edit::Edit;
 use super::super::{Engine, Kind};
 use crate::mesh::incidence::{sides, undirected};
-use crate::mesh::metric::laid;
-use crate::mesh::objective::{Measure, shape};
+use crate::mesh::metric::to_metric;
+use crate::mesh::objective::shape;
 use crate::mesh::orientation;
 use crate::mesh::polygon;
 use glam::DVec3;
 
-/// Rounds over all patterns: the paper's.
+/// Rounds over all patterns, as in the paper.
 const ROUNDS: usize = 2;
-/// How much of the sum of shapes one triangle less may cost, in perfect quads.
+/// The price of a triangle, in perfect quads.
 const TRIANGLE_PRICE: f64 = 0.25;
-/// The weight of a triangle's shape: two make a quad.
-const TRIANGLE: f64 = 0.5;
-/// The loss of an edge at 45 degrees to the cross, in perfect quads.
+/// The weight of a triangle's shape: two triangles make a quad.
+const TRIANGLE_WEIGHT: f64 = 0.5;
+/// The cost of an edge at 45 degrees to the cross, in perfect quads.
 const ALIGNMENT: f64 = 0.25;
-/// No new quad has a smaller shape (Qg).
+/// The least shape (Qg) of a new quad.
 const LEAST_SHAPE: f64 = 0.3;
-/// Gains below this are roundings of equal sums, and would let two states alternate.
+/// The least gain of an edit: smaller ones are roundings, and two states could alternate.
 const LEAST_GAIN: f64 = 1e-9;
 
-/// What proposes edits about a face or a vertex.
+/// A pattern: it proposes edits about a face or a vertex.
 type Proposal = for<'e> fn(&'e Engine, u32) -> Vec<(Kind, Edit<'e>)>;
 
 /// Searches for the four patterns over all elements in the order of their ids, and replaces them.
@@ -53,11 +56,11 @@ pub(in super::super) fn clean_up(engine: &mut Engine) {
     }
 }
 
-/// Makes the best of the edits about an element, if it wins anything.
+/// Makes the best edit of a pattern about an element, if its value grows.
 fn replace(engine: &mut Engine, element: u32, pattern: Proposal) {
     let best = pattern(engine, element)
         .into_iter()
-        .filter_map(|(kind, edit)| Some((worth_gained(engine, &edit)?, kind, edit)))
+        .filter_map(|(kind, edit)| Some((gain(engine, &edit)?, kind, edit)))
         .reduce(|best, other| if other.0 > best.0 { other } else { best });
     let Some((_, kind, edit)) = best else { return };
     let growth = edit.growth();
@@ -67,14 +70,14 @@ fn replace(engine: &mut Engine, element: u32, pattern: Proposal) {
     engine.counts.count(kind);
 }
 
-/// (a): the triangle and one beside it.
+/// (a): a triangle and one beside it.
 fn two_triangles<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
     let edit = Edit::new(engine.mesh);
     let rows = triangles_beside(&edit, face).into_iter().map(|other| vec![face, other]);
     cut_into_quads(engine, &edit, Kind::Merge, rows)
 }
 
-/// (b): the quad and two triangles on opposite sides.
+/// (b): a quad and two triangles on opposite sides.
 fn row<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
     let edit = Edit::new(engine.mesh);
     let &[a, b, c, d] = edit.face(face) else { return Vec::new() };
@@ -84,7 +87,7 @@ fn row<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
     cut_into_quads(engine, &edit, Kind::RecutRow, rows)
 }
 
-/// (c): the triangle, one or two quads beside it at one of its vertices, and another triangle there.
+/// (c): a triangle, one or two quads after it round one of its vertices, and another triangle there.
 fn fan_of_triangles<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
     let edit = Edit::new(engine.mesh);
     if edit.face(face).len() != 3 {
@@ -112,7 +115,7 @@ fn fan_of_triangles<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> 
     cut_into_quads(engine, &edit, Kind::RecutFan, fans)
 }
 
-/// (d): one face in the place of those at a vertex.
+/// (d): one face replaces the faces at a vertex.
 fn removal<'e>(engine: &'e Engine, v: u32) -> Vec<(Kind, Edit<'e>)> {
     let edit = Edit::new(engine.mesh);
     let star: Vec<u32> = edit.around(v).collect();
@@ -126,41 +129,39 @@ fn removal<'e>(engine: &'e Engine, v: u32) -> Vec<(Kind, Edit<'e>)> {
     vec![(Kind::Remove, replaced(&edit, &star, &[outline]))]
 }
 
-/// How much the elements' worth grows by an edit, if it does, and no new face is a fault or of too small a shape.
-fn worth_gained(engine: &Engine, edit: &Edit) -> Option<f64> {
+/// The growth of the elements' value by an edit; `None` where it does not grow, or a new face is a fault or has too small a
+/// shape.
+fn gain(engine: &Engine, edit: &Edit) -> Option<f64> {
     let old: Vec<&[u32]> = edit.changed().map(|(face, _)| edit.before(face)).collect();
     let new: Vec<&[u32]> = edit.changed().map(|(_, corners)| corners).filter(|corners| !corners.is_empty()).collect();
-    let may_be = |corners: &&[u32]| {
-        let points: Vec<DVec3> = corners.iter().map(|&v| edit.point(v)).collect();
-        let sheets = corners.iter().map(|&v| edit.vertex(v).triangles);
-        let frame = engine.mesh.metric().frame(corners);
-        let measure =
-            Measure::of(&points, frame.as_ref(), None, || engine.context.orientation.is_inverted(&points, sheets));
-        !measure.is_fault && (corners.len() == 3 || measure.shape >= LEAST_SHAPE)
+    let is_allowed = |face: u32| {
+        let measure = edit.measure(engine.context, face);
+        !measure.is_fault && (edit.face(face).len() == 3 || measure.shape >= LEAST_SHAPE)
     };
-    let gain = worth(engine, edit, &new) - worth(engine, edit, &old);
-    (gain > LEAST_GAIN && edit.is_sound() && new.iter().all(may_be)).then_some(gain)
+    let mut added = edit.changed().filter(|(_, corners)| !corners.is_empty()).map(|(face, _)| face);
+    let gain = value(engine, edit, &new) - value(engine, edit, &old);
+    (gain > LEAST_GAIN && edit.is_sound() && added.all(is_allowed)).then_some(gain)
 }
 
-/// What some faces and the edges between them are worth; the edges of their outline are the same before and after.
-fn worth(engine: &Engine, edit: &Edit, faces: &[&[u32]]) -> f64 {
+/// The value of some faces and of the edges between them. The edges of their outline stay, so they do not count.
+fn value(engine: &Engine, edit: &Edit, faces: &[&[u32]]) -> f64 {
     let face = |corners: &&[u32]| {
         let points: Vec<DVec3> = corners.iter().map(|&v| edit.point(v)).collect();
-        let shape = shape(&points, engine.mesh.metric().frame(corners).as_ref());
-        if corners.len() == 3 { TRIANGLE * shape - TRIANGLE_PRICE } else { shape }
+        let shape = shape(&points, engine.mesh.metric().map_of(corners).as_ref());
+        if corners.len() == 3 { TRIANGLE_WEIGHT * shape - TRIANGLE_PRICE } else { shape }
     };
     let mut edges: Vec<[u32; 2]> = faces.iter().flat_map(|corners| sides(corners)).map(undirected).collect();
     edges.sort_unstable();
-    let inner = edges.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| slant(engine, edit, pair[0]));
+    let inner = edges.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| misalignment(engine, edit, pair[0]));
     faces.iter().map(face).sum::<f64>() - inner.sum::<f64>()
 }
 
-/// The loss of an edge aslant to the cross field: `ALIGNMENT (1 - cos 4 angle) / 2`.
+/// The cost of the angle between an edge and the cross field: `ALIGNMENT (1 - cos 4 angle) / 2`.
 ///
-/// Crosses on features are rough, so they count only where both ends are on features.
-fn slant(engine: &Engine, edit: &Edit, [a, b]: [u32; 2]) -> f64 {
-    let frame = engine.mesh.metric().frame(&[a, b]);
-    let along = laid(frame.as_ref(), edit.point(b) - edit.point(a));
+/// Crosses on features are rough, so they count only where both ends lie on features.
+fn misalignment(engine: &Engine, edit: &Edit, [a, b]: [u32; 2]) -> f64 {
+    let map = engine.mesh.metric().map_of(&[a, b]);
+    let along = to_metric(map.as_ref(), edit.point(b) - edit.point(a));
     let is_rough = |v: u32| !edit.is_free(v);
     let ends = [a, b].into_iter().filter(|&end| !is_rough(end) || (is_rough(a) && is_rough(b)));
     let (loss, count) = ends.fold((0.0, 0.0), |(loss, count), end| {
@@ -182,7 +183,7 @@ fn triangles_beside(edit: &Edit, face: u32) -> Vec<u32> {
     beside.filter(|&other| edit.face(other).len() == 3).collect()
 }
 
-/// The edits that cut the outlines of some rows of faces into quads alone, each in the best way there is.
+/// The edits that cut the outlines of rows of faces into quads, each at least cost.
 fn cut_into_quads<'e>(
     engine: &Engine,
     edit: &Edit<'e>,
@@ -200,11 +201,11 @@ fn cut_into_quads<'e>(
         let up = orientation::normal(&points(&(0..outline.len()).collect::<Vec<_>>()));
         let face = |places: &[usize]| {
             let points = points(places);
-            let shape = shape(&points, engine.mesh.metric().frame(&vertices(places)).as_ref());
+            let shape = shape(&points, engine.mesh.metric().map_of(&vertices(places)).as_ref());
             let may_be = places.len() == 4 && shape >= LEAST_SHAPE && orientation::normal(&points).dot(up) > 0.0;
             if may_be { 1.0 - shape } else { f64::INFINITY }
         };
-        let chord = |i: usize, j: usize| slant(engine, edit, [outline[i], outline[j]]);
+        let chord = |i: usize, j: usize| misalignment(engine, edit, [outline[i], outline[j]]);
         let (_, cut) = polygon::cut(outline.len(), face, chord)?;
         let faces: Vec<Vec<u32>> = cut.iter().map(|places| vertices(places)).collect();
         Some((kind, replaced(edit, &row, &faces)))
@@ -212,7 +213,7 @@ fn cut_into_quads<'e>(
     .collect()
 }
 
-/// The edit that puts new faces in the place of at least as many old ones.
+/// The edit that replaces old faces by new ones, of which there are no more.
 fn replaced<'e>(edit: &Edit<'e>, old: &[u32], new: &[Vec<u32>]) -> Edit<'e> {
     let mut result = edit.clone();
     for (k, &face) in old.iter().enumerate() {
@@ -221,7 +222,7 @@ fn replaced<'e>(edit: &Edit<'e>, old: &[u32], new: &[Vec<u32>]) -> Edit<'e> {
     result
 }
 
-/// The outline of some faces, counter-clockwise, where that is one simple loop and no edge inside is a feature.
+/// The outline of some faces, counter-clockwise; `None` unless it is one simple loop without features inside.
 fn outline(edit: &Edit, faces: &[u32]) -> Option<Vec<u32>> {
     let all: Vec<[u32; 2]> = faces.iter().flat_map(|&face| sides(edit.face(face))).collect();
     let (inner, outer): (Vec<[u32; 2]>, Vec<[u32; 2]>) = all.iter().partition(|&&[a, b]| all.contains(&[b, a]));

@@ -1,40 +1,40 @@
-//! Quads about irregular vertices and faces of a poor shape are cut anew, or go.
+//! Recutting: flips, collapses and splits of poor faces and of quads with irregular vertices.
 //!
 //! # Theory
-//! Two operations keep all quads quads: an edge between two flips to one of the two other diagonals of their hexagon, and a
-//! quad goes when two opposite corners become one. A vertex of valence 3 beside one of valence 5 vanishes by the first, two of
-//! valence 3 opposite each other in a quad by the second. A vertex inside the surface that only two faces have always goes. A
-//! thin triangle is cut anew together with the face beside it.
+//! Two operations keep a mesh of quads a mesh of quads. A flip replaces the edge between two quads by another diagonal of their
+//! hexagon: it removes a vertex of valence 3 beside one of valence 5. A collapse merges two opposite corners of a quad: it removes
+//! two vertices of valence 3 opposite each other. A thin triangle is recut together with the face beside it. A vertex of valence
+//! 2 inside the surface is always removed.
 
 use super::super::edit::Edit;
 use super::super::{Engine, Kind, Quads};
 use super::walk;
 
-/// A quad of a smaller shape is worth a look.
-const POOR: f64 = 0.7;
-/// So is a triangle of a smaller one.
-const NEEDLE: f64 = 0.3;
+/// A quad of a smaller shape is recut.
+const RECUT_QUAD: f64 = 0.7;
+/// A triangle of a smaller shape is recut.
+const RECUT_TRIANGLE: f64 = 0.3;
 /// A quad of a smaller shape may be split into two triangles.
-const SPLIT: f64 = 0.4;
-/// Irregular vertices of a quad that is worth a look.
+const SPLIT_QUAD: f64 = 0.4;
+/// A quad with so many irregular vertices is recut.
 const IRREGULAR: usize = 2;
 
-/// Whether a face is worth a look.
-pub(super) fn is_poor(engine: &Engine, face: u32) -> bool {
+/// Whether a face may be recut.
+pub(super) fn is_candidate(engine: &Engine, face: u32) -> bool {
     let corners = engine.mesh.face(face);
     let shape = engine.measures[face as usize].shape;
     match corners.len() {
-        3 => shape < NEEDLE,
+        3 => shape < RECUT_TRIANGLE,
         4 => {
             let edit = Edit::new(engine.mesh);
             let irregular = || corners.iter().filter(|&&v| edit.irregularity(v, 0) > 0.0).count();
-            shape < POOR || (engine.options.regularity > 0.0 && irregular() >= IRREGULAR)
+            shape < RECUT_QUAD || (engine.options.regularity > 0.0 && irregular() >= IRREGULAR)
         }
         _ => false,
     }
 }
 
-/// The edits that cut a face anew, or take a quad out.
+/// The edits that recut or split a face, or collapse a quad.
 pub(super) fn recuts<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
     let edit = Edit::new(engine.mesh);
     let mut edits: Vec<(Kind, Edit)> = Vec::new();
@@ -43,7 +43,7 @@ pub(super) fn recuts<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)>
     } else {
         edits.extend((0..4).flat_map(|side| flipped(&edit, face, side)).map(|edit| (Kind::Flip, edit)));
         edits.extend((0..2).filter_map(|k| collapsed(&edit, face, k)).map(|edit| (Kind::Collapse, edit)));
-        if engine.options.quads == Quads::Most && engine.measures[face as usize].shape < SPLIT {
+        if engine.options.quads == Quads::Most && engine.measures[face as usize].shape < SPLIT_QUAD {
             edits.extend((0..2).map(|k| (Kind::Split, split(&edit, face, k))));
         }
     }
@@ -51,22 +51,23 @@ pub(super) fn recuts<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)>
     edits
 }
 
-/// Takes out the vertices inside the surface that only two faces have: one of the faces has a straight corner or a reflex
-/// one there, whatever the vertex does.
+/// Removes the vertices of valence 2 inside the surface: one of the two faces has a straight or reflex corner there, wherever
+/// the vertex is.
 pub(in super::super) fn dissolve(engine: &mut Engine) {
     for v in 0..engine.mesh.vertices().len() as u32 {
-        let Some((edit, gone)) = dissolved(&Edit::new(engine.mesh), v) else { continue };
+        let Some((edit, count)) = dissolved(&Edit::new(engine.mesh), v) else { continue };
         let change = edit.into_change();
         engine.make(&change, &[]);
-        engine.excess -= gone as i64;
-        engine.counts.dissolved += gone;
+        engine.excess -= count as i64;
+        engine.counts.dissolved += count;
     }
 }
 
-/// The edit after which a vertex between two faces is no more and they are one, and then those that come to lie so; how many.
+/// The edit that removes a vertex of valence 2 and merges its two faces, and so on for vertices that get valence 2; and the
+/// number of removed vertices.
 fn dissolved<'a>(edit: &Edit<'a>, v: u32) -> Option<(Edit<'a>, usize)> {
-    let is_loose = |edit: &Edit, v: u32| edit.is_free(v) && edit.valence(v) == 2;
-    let (mut edit, mut next, mut count) = (edit.clone(), Some(v).filter(|&v| is_loose(edit, v)), 0);
+    let has_two_faces = |edit: &Edit, v: u32| edit.is_free(v) && edit.valence(v) == 2;
+    let (mut edit, mut next, mut count) = (edit.clone(), Some(v).filter(|&v| has_two_faces(edit, v)), 0);
     while let Some(v) = next {
         let faces: Vec<u32> = edit.around(v).collect();
         let others = |face: &u32| {
@@ -82,12 +83,12 @@ fn dissolved<'a>(edit: &Edit<'a>, v: u32) -> Option<(Edit<'a>, usize)> {
         edit.set_face(faces[0], &whole);
         edit.set_face(faces[1], &[]);
         count += 1;
-        next = whole.into_iter().find(|&v| is_loose(&edit, v));
+        next = whole.into_iter().find(|&v| has_two_faces(&edit, v));
     }
     (count > 0 && edit.is_sound()).then_some((edit, count))
 }
 
-/// The edits that cut a triangle and the face beyond one of its sides in another way.
+/// The edits that cut a triangle and the face across one of its sides in another way.
 pub(super) fn recut<'a>(edit: &Edit<'a>, triangle: u32, side: usize) -> Vec<Edit<'a>> {
     let corners = edit.face(triangle);
     let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
@@ -106,7 +107,7 @@ pub(super) fn recut<'a>(edit: &Edit<'a>, triangle: u32, side: usize) -> Vec<Edit
     }
 }
 
-/// The edits that flip the edge between a quad and that beyond one of its sides to another diagonal of their hexagon.
+/// The edits that flip the edge between a quad and the quad across one of its sides to another diagonal of their hexagon.
 pub(super) fn flipped<'a>(edit: &Edit<'a>, face: u32, side: usize) -> Vec<Edit<'a>> {
     let corners = edit.face(face);
     let [x, y, p, q] = [0, 1, 2, 3].map(|k| corners[(side + k) % 4]);
@@ -125,7 +126,7 @@ pub(super) fn flipped<'a>(edit: &Edit<'a>, face: u32, side: usize) -> Vec<Edit<'
         .collect()
 }
 
-/// The edit that makes one vertex of two opposite corners of a quad.
+/// The edit that merges two opposite corners of a quad.
 pub(super) fn collapsed<'a>(edit: &Edit<'a>, face: u32, corner: usize) -> Option<Edit<'a>> {
     let corners = edit.face(face);
     let [a, b] = [corners[corner], corners[corner + 2]];
@@ -135,7 +136,7 @@ pub(super) fn collapsed<'a>(edit: &Edit<'a>, face: u32, corner: usize) -> Option
     Some(result)
 }
 
-/// The edit that cuts a quad into two triangles from one of its corners.
+/// The edit that splits a quad into two triangles from one of its corners.
 pub(super) fn split<'a>(edit: &Edit<'a>, face: u32, corner: usize) -> Edit<'a> {
     let corners = edit.face(face);
     let [a, b, c, d] = [0, 1, 2, 3].map(|k| corners[(corner + k) % 4]);

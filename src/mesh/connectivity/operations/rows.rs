@@ -1,24 +1,24 @@
-//! Rows of quads between two triangles: one that can be taken out, one that can be put in.
+//! Rows of quads between two triangles: removal of a row, insertion of a row.
 
 use super::super::edit::Edit;
 use glam::DVec3;
 
-/// What each quad of a row costs beside the valences that it changes.
-const LENGTH: f64 = 0.2;
-/// What the last vertex of a row may make good.
-const GAIN: f64 = 2.0;
+/// The price of each quad of a row, in squared valences.
+const QUAD_PRICE: f64 = 0.2;
+/// The most that the last vertex of a row can reduce the cost by.
+const LAST_VERTEX_REDUCTION: f64 = 2.0;
 
-/// Which rows are worth an edit.
+/// Limits of the rows that are proposed.
 #[derive(Clone, Copy)]
-pub(super) struct Within {
-    /// Quads.
+pub(super) struct RowLimits {
+    /// In quads.
     pub(super) longest: usize,
-    /// Cost.
-    pub(super) most: f64,
+    /// In squared valences.
+    pub(super) most_cost: f64,
 }
 
-/// Takes out the row that begins beyond the side `x` to `y` of a triangle and ends with another triangle: its quads'
-/// short sides are drawn together.
+/// Removes the row from the side `x` to `y` of a triangle to another triangle: the short sides of its quads are collapsed.
+/// Returns the cost and the edit.
 ///
 /// ```text
 ///      x---o---o           x
@@ -27,18 +27,23 @@ pub(super) struct Within {
 ///    \ |   |   | /
 ///      y---o---o
 /// ```
-pub(super) fn take_out<'a>(edit: &Edit<'a>, triangle: u32, side: usize, within: Within) -> Option<(f64, Edit<'a>)> {
+pub(super) fn remove_row<'a>(
+    edit: &Edit<'a>,
+    triangle: u32,
+    side: usize,
+    limits: RowLimits,
+) -> Option<(f64, Edit<'a>)> {
     let corners = edit.face(triangle);
     let [mut a, mut b, apex] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
     let mut pairs = vec![(a, b)];
     let mut row = vec![triangle];
-    let mut cost = less(edit, apex);
+    let mut cost = face_removal_cost(edit, apex);
     loop {
-        // The faces on both sides of a pair go, from both of its ends.
+        // Both ends of a pair lose the faces on its two sides.
         let merged = edit.valence(a) as i32 + edit.valence(b) as i32 - 4;
         let wanted = if edit.is_free(b) { edit.wanted_valence(a) } else { edit.wanted_valence(b) };
-        cost += f64::from(merged - wanted).powi(2) - edit.irregularity(a, 0) - edit.irregularity(b, 0) + LENGTH;
-        if cost - GAIN > within.most {
+        cost += f64::from(merged - wanted).powi(2) - edit.irregularity(a, 0) - edit.irregularity(b, 0) + QUAD_PRICE;
+        if cost - LAST_VERTEX_REDUCTION > limits.most_cost {
             return None;
         }
         let face = edit.across(a, b)?;
@@ -49,10 +54,10 @@ pub(super) fn take_out<'a>(edit: &Edit<'a>, triangle: u32, side: usize, within: 
         row.push(face);
         if corners.len() == 3 {
             let last = *corners.iter().find(|v| ![a, b].contains(v))?;
-            cost += less(edit, last);
+            cost += face_removal_cost(edit, last);
             break;
         }
-        if pairs.len() > within.longest {
+        if pairs.len() > limits.longest {
             return None;
         }
         // The face runs from b to a, on to the next pair, and back.
@@ -63,7 +68,7 @@ pub(super) fn take_out<'a>(edit: &Edit<'a>, triangle: u32, side: usize, within: 
         }
         pairs.push((a, b));
     }
-    if cost > within.most {
+    if cost > limits.most_cost {
         return None;
     }
     let mut result = edit.clone();
@@ -74,12 +79,12 @@ pub(super) fn take_out<'a>(edit: &Edit<'a>, triangle: u32, side: usize, within: 
     Some((cost, result))
 }
 
-/// What it costs a vertex to have a face less.
-fn less(edit: &Edit, vertex: u32) -> f64 {
+/// The cost of one face less at a vertex.
+fn face_removal_cost(edit: &Edit, vertex: u32) -> f64 {
     edit.irregularity(vertex, -1) - edit.irregularity(vertex, 0)
 }
 
-/// A vertex of the line that a new row opens: its faces to the right and to the left of the way.
+/// A vertex of the line that a new row opens, with its faces to the right and to the left of the line.
 #[derive(Clone)]
 struct Opening {
     vertex: u32,
@@ -87,8 +92,8 @@ struct Opening {
     left: Vec<u32>,
 }
 
-/// All rows of at most `longest` quads that can be put in between a triangle's corner `apex` and another triangle that
-/// looks the other way: each vertex of the line between the two becomes a pair, and the triangles become quads.
+/// Inserts rows between the corner `apex` of a triangle and a triangle that points the other way: each vertex of the line between
+/// the two becomes a pair, and the triangles become quads. Returns the costs and edits of all rows within the limits.
 ///
 /// ```text
 ///   o           o           o---z---o---w---o
@@ -97,72 +102,72 @@ struct Opening {
 ///   | /       \ |           |   |   |   |   |
 ///   o           o           o---z'--o---w'--o
 /// ```
-pub(super) fn put_in<'a>(edit: &Edit<'a>, triangle: u32, apex: u32, within: Within) -> Vec<(f64, Edit<'a>)> {
-    Lines::from(edit, triangle, apex, within).rows
+pub(super) fn insert_rows<'a>(edit: &Edit<'a>, triangle: u32, apex: u32, limits: RowLimits) -> Vec<(f64, Edit<'a>)> {
+    Lines::from(edit, triangle, apex, limits).rows
 }
 
-/// The search for lines, as straight as the vertices on them allow.
+/// The search for lines between two triangles, as straight as the vertices on them allow.
 struct Lines<'a, 'b> {
     edit: &'b Edit<'a>,
     triangle: u32,
-    within: Within,
+    limits: RowLimits,
     line: Vec<Opening>,
     rows: Vec<(f64, Edit<'a>)>,
 }
 
 impl<'a, 'b> Lines<'a, 'b> {
-    fn from(edit: &'b Edit<'a>, triangle: u32, apex: u32, within: Within) -> Self {
-        let mut lines = Self { edit, triangle, within, line: Vec::new(), rows: Vec::new() };
+    fn from(edit: &'b Edit<'a>, triangle: u32, apex: u32, limits: RowLimits) -> Self {
+        let mut lines = Self { edit, triangle, limits, line: Vec::new(), rows: Vec::new() };
         if edit.is_free(apex)
             && let Some(fan) = edit.fan(apex, triangle)
         {
-            lines.leave(apex, &fan[1..], 0.0);
+            lines.extend(apex, &fan[1..], 0.0);
         }
         lines
     }
 
-    /// Tries all ways between the faces, counter-clockwise, of a vertex that the line has come to; `cost` is that of the
-    /// line so far.
-    fn leave(&mut self, vertex: u32, fan: &[u32], cost: f64) {
-        let cost = cost + LENGTH - self.edit.irregularity(vertex, 0);
+    /// Continues the line from a vertex between any two of its faces, `fan`, counter-clockwise; `cost` is the cost of the line
+    /// up to the vertex.
+    fn extend(&mut self, vertex: u32, fan: &[u32], cost: f64) {
+        let cost = cost + QUAD_PRICE - self.edit.irregularity(vertex, 0);
         let halves = |right: usize, left: usize| {
-            // Each copy has a quad of the row, or a triangle that becomes one, on either side.
+            // Each copy gets a quad of the row, or a triangle that becomes one, on both sides.
             cost + (right as f64 - 2.0).powi(2) + (left as f64 - 2.0).powi(2)
         };
         for end in 1..fan.len().saturating_sub(1) {
             let cost = halves(end, fan.len() - end - 1);
-            if cost <= self.within.most && self.edit.face(fan[end]).len() == 3 && fan[end] != self.triangle {
+            if cost <= self.limits.most_cost && self.edit.face(fan[end]).len() == 3 && fan[end] != self.triangle {
                 self.line.push(Opening { vertex, right: fan[..end].to_vec(), left: fan[end + 1..].to_vec() });
                 self.rows.extend(open(self.edit, self.triangle, fan[end], &self.line).map(|row| (cost, row)));
                 self.line.pop();
             }
         }
-        // The first vertex has the triangle beside these faces, and may be left to either side.
+        // At the first vertex the triangle is not in the fan, so the line may leave on either side of the middle.
         let slack = usize::from(self.line.is_empty());
         for half in (fan.len() / 2 - slack).max(1)..=(fan.len().div_ceil(2) + slack).min(fan.len() - 1) {
             let cost = halves(half, fan.len() - half);
-            if cost - 1.0 <= self.within.most && self.line.len() < self.within.longest {
+            if cost - 1.0 <= self.limits.most_cost && self.line.len() < self.limits.longest {
                 self.line.push(Opening { vertex, right: fan[..half].to_vec(), left: fan[half..].to_vec() });
-                self.follow(cost);
+                self.advance(cost);
                 self.line.pop();
             }
         }
     }
 
-    /// Goes on from the last vertex of the line, between its right and left faces.
-    fn follow(&mut self, cost: f64) {
+    /// Continues the line along the edge between the right and the left faces of its last vertex.
+    fn advance(&mut self, cost: f64) {
         let Opening { vertex: from, left, .. } = &self.line[self.line.len() - 1];
         let at = self.edit.beside(left[0], *from)[1];
         if !self.edit.is_free(at) || self.line.iter().any(|opening| opening.vertex == at) {
             return;
         }
         if let Some(fan) = self.edit.left(at, *from).and_then(|first| self.edit.fan(at, first)) {
-            self.leave(at, &fan, cost);
+            self.extend(at, &fan, cost);
         }
     }
 }
 
-/// Opens a line between two triangles: a quad for each of its edges, and one for each triangle.
+/// Opens a line between two triangles: each of its edges and each of the triangles becomes a quad.
 fn open<'a>(edit: &Edit<'a>, start: u32, end: u32, line: &[Opening]) -> Option<Edit<'a>> {
     let mut result = edit.clone();
     let mut pairs = Vec::new();
@@ -174,7 +179,7 @@ fn open<'a>(edit: &Edit<'a>, start: u32, end: u32, line: &[Opening]) -> Option<E
             let middle = corners.clone().map(|v| edit.point(*v)).sum::<DVec3>() / corners.count().max(1) as f64;
             (here + middle) / 2.0
         };
-        result.rename(*vertex, copy, |face| right.contains(&face))?;
+        result.move_faces(*vertex, copy, |face| right.contains(&face))?;
         result.set_point(*vertex, towards(left));
         result.set_point(copy, towards(right));
         pairs.push([*vertex, copy]);

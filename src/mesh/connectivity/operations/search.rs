@@ -1,23 +1,27 @@
-//! The ways out of a triangle: a search over its walks, and the rows that can come or go on the way.
+//! The pairing of a triangle with another one: a search over its movements, and over rows that can be removed or inserted.
+//!
+//! # Theory
+//! The search is a uniform-cost search. Its cost is the change of the squared differences between valences and the wanted
+//! ones, with a price for each step. The cheapest edits found are evaluated by the objective.
 
 use super::super::edit::Edit;
 use super::super::{Engine, Kind};
-use super::rows::{self, Within};
+use super::rows::{self, RowLimits};
 use super::walk::{self, Step};
 use rustc_hash::FxHashSet;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Edits of one triangle that are judged.
-const JUDGED: usize = 3;
-/// What a step costs besides, in squared valences.
-const STEP: f64 = 0.1;
-/// What the last step may make good at most.
-const HOPE: f64 = 2.5;
-/// Rows are looked for from edits that cost less.
-const CHEAP: f64 = 0.35;
-/// Edits that cost more are not followed.
-const MOST: f64 = 2.6;
+/// The number of a triangle's edits that the objective evaluates.
+const EVALUATED: usize = 3;
+/// The price of a step, in squared valences.
+const STEP_PRICE: f64 = 0.1;
+/// The most that the last step can reduce the cost by.
+const LAST_STEP_REDUCTION: f64 = 2.5;
+/// Rows are searched from positions of a smaller cost.
+const ROW_SEARCH_COST: f64 = 0.35;
+/// The largest cost of an edit.
+const MOST_COST: f64 = 2.6;
 
 /// The edits in which a triangle and another one are no more: one for each that is beside it, and the cheapest others.
 pub(super) fn ways_out<'e>(engine: &'e Engine, triangle: u32) -> Vec<(Kind, Edit<'e>)> {
@@ -43,20 +47,20 @@ fn search<'e>(engine: &'e Engine, triangle: u32) -> Vec<End<'e>> {
         for side in 0..3 {
             let corners = edit.face(triangle);
             let [x, y, z] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
-            if cost < CHEAP {
+            if cost < ROW_SEARCH_COST {
                 let longest = engine.options.longest_row;
-                let within = |ends: &Ends| Within { longest, most: ends.most() - cost };
-                let out = rows::take_out(edit, triangle, side, within(&ends));
+                let limits = |ends: &Ends| RowLimits { longest, most_cost: ends.most() - cost };
+                let out = rows::remove_row(edit, triangle, side, limits(&ends));
                 ends.extend(Kind::RowOut, cost, out);
-                let rows = rows::put_in(edit, triangle, z, within(&ends));
+                let rows = rows::insert_rows(edit, triangle, z, limits(&ends));
                 ends.extend(Kind::RowIn, cost, rows);
             }
             let Some(next) = edit.across(x, y) else { continue };
             match edit.face(next).len() {
                 3 if node > 0 => ends.extend(Kind::Meet, cost, walk::meet(edit, triangle, side, next)),
                 4 => heap.extend(walk::steps(edit, triangle, side, next).filter_map(|step| {
-                    let cost = cost + step.cost(edit) + STEP;
-                    (cost - HOPE < ends.most() && !seen.contains(&step.key())).then_some(Reached {
+                    let cost = cost + step.cost(edit) + STEP_PRICE;
+                    (cost - LAST_STEP_REDUCTION < ends.most() && !seen.contains(&step.key())).then_some(Reached {
                         cost,
                         from: node,
                         step,
@@ -70,7 +74,7 @@ fn search<'e>(engine: &'e Engine, triangle: u32) -> Vec<End<'e>> {
         }
         let next = loop {
             let Some(next) = heap.pop() else { return ends.list };
-            if next.cost - HOPE > ends.most() {
+            if next.cost - LAST_STEP_REDUCTION > ends.most() {
                 return ends.list;
             }
             if seen.insert(next.step.key()) {
@@ -83,10 +87,10 @@ fn search<'e>(engine: &'e Engine, triangle: u32) -> Vec<End<'e>> {
     }
 }
 
-/// A step that the search can take.
+/// A step that the search can make.
 struct Reached {
     cost: f64,
-    /// Where from, by the order in which edits were reached.
+    /// The position that it starts from, in the order of the visits.
     from: usize,
     step: Step,
 }
@@ -111,22 +115,22 @@ impl PartialEq for Reached {
 
 impl Eq for Reached {}
 
-/// An edit in which two triangles are no more.
+/// An edit that pairs two triangles.
 struct End<'a> {
     kind: Kind,
     edit: Edit<'a>,
     cost: f64,
 }
 
-/// The cheapest of them, in order.
+/// The cheapest edits, in order.
 struct Ends<'a> {
     list: Vec<End<'a>>,
 }
 
 impl<'a> Ends<'a> {
-    /// What costs more is of no use.
+    /// The largest cost of an edit that is kept.
     fn most(&self) -> f64 {
-        self.list.get(JUDGED - 1).map_or(MOST, |end| end.cost)
+        self.list.get(EVALUATED - 1).map_or(MOST_COST, |end| end.cost)
     }
 
     fn extend(&mut self, kind: Kind, before: f64, edits: impl IntoIterator<Item = (f64, Edit<'a>)>) {
@@ -135,7 +139,7 @@ impl<'a> Ends<'a> {
             if cost < self.most() && edit.is_sound() {
                 let place = self.list.partition_point(|end| end.cost <= cost);
                 self.list.insert(place, End { kind, edit, cost });
-                self.list.truncate(JUDGED);
+                self.list.truncate(EVALUATED);
             }
         }
     }

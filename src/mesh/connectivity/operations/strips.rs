@@ -1,23 +1,23 @@
-//! All quads: a dual strip is put in between two triangles that are left, whatever lies on it.
+//! All quads: a dual strip is inserted between each two triangles that are left.
 //!
 //! # Theory
-//! A strip crosses the faces between two triangles. Each edge that it crosses gets a vertex in its middle. A quad that it
-//! goes straight through becomes two, one in which it turns becomes three about a new vertex, and the triangles at the ends
+//! A strip crosses the faces between two triangles. Each edge that it crosses gets a vertex at its middle. A quad that it
+//! crosses straight becomes two quads, a quad in which it turns becomes three about a new vertex, and the triangles at its ends
 //! become quads.
 //!
 //! ```text
 //!       p---o---o---s              p---o---o---s
 //!     / |   |   |   | \          / |   |   |   | \
-//!   z   |   |   |   |   w  ->  z   m---m---m---m   w      (m draws back from z, and so does the last from w)
+//!   z   |   |   |   |   w  ->  z   m---m---m---m   w      (m moves away from z, and the last m from w)
 //!     \ |   |   |   | /          \ |   |   |   | /
 //!       q---o---o---t              q---o---o---t
 //! ```
 //!
-//! Where there are too many vertices already, the faces on the strip are taken out instead, if shape allows.
+//! Where there are too many vertices already, the faces on the strip are removed instead, if their shapes allow.
 //!
-//! Nothing refuses a strip that is put in, so the triangles of a component, whose number is even where no boundary is, all find
-//! a partner. It crosses features: they get the vertex. Of an odd number the last one's strip leads out over an open boundary,
-//! which gets it.
+//! Every insertion is made, so all triangles of a component are paired; their number is even where the component is closed. A
+//! strip may cross features, which get the vertices. Of an odd number of triangles, the strip of the last one leaves over an
+//! open boundary, which gets the vertex.
 
 use super::super::edit::{Change, Edit, NEW};
 use super::super::patch::relaxed;
@@ -32,32 +32,32 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
-/// What it costs to turn within a face, in faces.
-const TURN: u32 = 4;
-/// What it costs to cross an edge between vertices that cannot make room: the quads beside it stay half as wide.
-const FIXED: u32 = 3;
-/// What it costs to leave or reach a triangle over a feature, which takes a ring about its corner.
-const FLAT: u32 = 20;
-/// Rings at most that are put about corners for one strip.
-const RINGS: usize = 4;
-/// The least shape of the quad that two triangles beside each other become.
-const MEET_LEAST: f64 = 0.1;
-/// The least shape of a quad where faces along a strip are taken out.
-const OUT_LEAST: f64 = 0.15;
-/// What it costs to leave over an open boundary: no triangle does while there is another to meet.
-const LEAVING: u32 = 1_000_000;
-/// Outside the mesh.
+/// The cost of a turn within a face; a face crossed costs 1.
+const TURN_COST: u32 = 4;
+/// The cost of an edge between two vertices on features: they do not make room, so the quads beside it stay half as wide.
+const FIXED_EDGE_COST: u32 = 3;
+/// The cost of an end of the strip on a feature: it takes a ring about the triangle's opposite corner.
+const FEATURE_END_COST: u32 = 20;
+/// The most rings of one strip.
+const MOST_RINGS: usize = 4;
+/// The least shape of a quad made of two triangles beside each other.
+const LEAST_MERGED: f64 = 0.1;
+/// The least shape of a face after the removal of a strip.
+const LEAST_REMOVED: f64 = 0.15;
+/// The cost of an end over an open boundary: larger than that of any strip between two triangles.
+const BOUNDARY_END_COST: u32 = 1_000_000;
+/// The outside of the mesh.
 const OUTSIDE: u32 = NONE;
 
-/// From a triangle to another one, or out.
+/// A dual strip from a triangle to another one, or over a boundary.
 struct Strip {
     cost: u32,
     triangle: u32,
-    /// The sides that it crosses, each with the face beyond.
+    /// The sides that it crosses, each with the face across.
     crossings: Vec<([u32; 2], u32)>,
 }
 
-/// Pairs all triangles that are left, the nearest first.
+/// Pairs all triangles that are left, in the order of the costs of their strips.
 pub(in super::super) fn pair_along_strips(engine: &mut Engine) {
     let triangles: Vec<u32> = (0..engine.mesh.face_bound() as u32).filter(|&face| engine.is_triangle(face)).collect();
     let strips: Vec<Strip> = triangles.into_par_iter().filter_map(|t| find_strip(engine, t, true)).collect();
@@ -68,16 +68,16 @@ pub(in super::super) fn pair_along_strips(engine: &mut Engine) {
         if !engine.is_triangle(triangle) {
             continue;
         }
-        if is_open(engine, &strip) {
+        if is_current(engine, &strip) {
             match *strip.crossings {
                 [(side, other)] if other != OUTSIDE => {
                     if meet(engine, triangle, side, other) {
                         engine.counts.met += 1;
                     } else if let Some(strip) = find_strip(engine, triangle, false) {
-                        go(engine, &strip);
+                        apply(engine, &strip);
                     }
                 }
-                _ => go(engine, &strip),
+                _ => apply(engine, &strip),
             }
         } else if let Some(strip) = find_strip(engine, triangle, true) {
             heap.push(Reverse((strip.cost, triangle, strips.len())));
@@ -86,30 +86,30 @@ pub(in super::super) fn pair_along_strips(engine: &mut Engine) {
     }
 }
 
-/// Whether the mesh is still such that a strip can be gone along.
-fn is_open(engine: &Engine, strip: &Strip) -> bool {
+/// Whether the faces along a strip are unchanged.
+fn is_current(engine: &Engine, strip: &Strip) -> bool {
     let edit = Edit::new(engine.mesh);
     let mut face = strip.triangle;
     strip.crossings.iter().enumerate().all(|(k, &([a, b], next))| {
         let corners = if k + 1 == strip.crossings.len() { 3 } else { 4 };
-        let open = edit.left(a, b) == Some(face)
+        let is_same = edit.left(a, b) == Some(face)
             && edit.left(b, a).unwrap_or(OUTSIDE) == next
             && (next == OUTSIDE || edit.face(next).len() == corners);
         face = next;
-        open
+        is_same
     })
 }
 
-/// Makes a quad of two triangles beside each other, unless it would have a straight corner or a reflex one.
+/// Merges two triangles beside each other into a quad, unless its shape is too small; returns whether it did.
 fn meet(engine: &mut Engine, triangle: u32, [x, y]: [u32; 2], other: u32) -> bool {
     let edit = Edit::new(engine.mesh);
     let corners = edit.face(triangle);
     let side = (0..3).find(|&k| corners[k] == x && corners[(k + 1) % 3] == y);
     let met = side.and_then(|side| Some(walk::meet(&edit, triangle, side, other)?.1)).filter(Edit::is_sound);
-    met.map(Edit::into_change).is_some_and(|change| make_relaxed(engine, change, MEET_LEAST))
+    met.map(Edit::into_change).is_some_and(|change| make_relaxed(engine, change, LEAST_MERGED))
 }
 
-/// Makes a change, if no face is a fault then or has a smaller shape.
+/// Makes a change unless it adds a fault or a face of a smaller shape than `least`; returns whether it did.
 fn make_relaxed(engine: &mut Engine, change: Change, least: f64) -> bool {
     let edit = Edit::with(engine.mesh, change);
     let relaxed = relaxed(engine.context, &edit, &engine.measures, engine.options.triangle_price);
@@ -122,7 +122,8 @@ fn make_relaxed(engine: &mut Engine, change: Change, least: f64) -> bool {
     true
 }
 
-/// The cheapest strip from a triangle to another, or out, by Dijkstra's algorithm; to a triangle beside it only if asked.
+/// The cheapest strip from a triangle to another one, or over a boundary, by Dijkstra's algorithm. `beside` admits a triangle
+/// beside it.
 fn find_strip(engine: &Engine, triangle: u32, beside: bool) -> Option<Strip> {
     let edit = Edit::new(engine.mesh);
     let mut from: FxHashMap<u32, (u32, [u32; 2])> = FxHashMap::default();
@@ -156,33 +157,34 @@ fn find_strip(engine: &Engine, triangle: u32, beside: bool) -> Option<Strip> {
             if face == triangle && count == 3 && (is_feature || !beside) {
                 continue;
             }
-            let ends = u32::from(face == triangle) + u32::from(count == 3);
-            let flat = if is_feature { ends * FLAT } else { 0 };
-            let turn = if face != triangle && side.iter().any(|v| entry.contains(v)) { TURN } else { 0 };
-            let leaving = if next.is_none() { LEAVING } else { 0 };
-            let fixed = if side.iter().any(|&v| edit.is_free(v)) { 0 } else { FIXED };
-            heap.push(Reverse((cost + 1 + flat + turn + fixed + leaving, next.unwrap_or(OUTSIDE), face, side)));
+            let end_count = u32::from(face == triangle) + u32::from(count == 3);
+            let feature_ends = if is_feature { end_count * FEATURE_END_COST } else { 0 };
+            let turn = if face != triangle && side.iter().any(|v| entry.contains(v)) { TURN_COST } else { 0 };
+            let boundary = if next.is_none() { BOUNDARY_END_COST } else { 0 };
+            let fixed = if side.iter().any(|&v| edit.is_free(v)) { 0 } else { FIXED_EDGE_COST };
+            let cost = cost + 1 + feature_ends + turn + fixed + boundary;
+            heap.push(Reverse((cost, next.unwrap_or(OUTSIDE), face, side)));
         }
     }
     None
 }
 
-/// Takes out what lies along a strip, if there are too many vertices, or puts a strip in.
-fn go(engine: &mut Engine, strip: &Strip) {
+/// Removes the faces along a strip where there are too many vertices, else inserts the strip.
+fn apply(engine: &mut Engine, strip: &Strip) {
     if engine.excess > 0 {
-        let out = taken_out(&Edit::new(engine.mesh), strip).filter(Edit::is_sound).map(Edit::into_change);
-        if out.is_some_and(|change| make_relaxed(engine, change, OUT_LEAST)) {
+        let removal = removed(&Edit::new(engine.mesh), strip).filter(Edit::is_sound).map(Edit::into_change);
+        if removal.is_some_and(|change| make_relaxed(engine, change, LEAST_REMOVED)) {
             engine.counts.strips_out += 1;
             return;
         }
     }
-    let change = divided(engine, &marked(engine, strip)).into_change();
-    put_in(engine, change);
+    let change = subdivided(engine, &split_edges(engine, strip)).into_change();
+    insert(engine, change);
     engine.counts.strips_in += 1;
 }
 
-/// Makes a change that divides faces; their vertices relax where that makes no fault.
-fn put_in(engine: &mut Engine, change: Change) {
+/// Makes a change that subdivides faces. Their vertices relax unless that makes a fault.
+fn insert(engine: &mut Engine, change: Change) {
     let edit = Edit::with(engine.mesh, change);
     let relaxed = relaxed(engine.context, &edit, &engine.measures, engine.options.triangle_price);
     engine.excess += edit.growth();
@@ -194,20 +196,20 @@ fn put_in(engine: &mut Engine, change: Change) {
     engine.counts.on_boundaries += on_boundaries;
 }
 
-/// Puts a ring of quads about the corner opposite to the straight one of each fault, if fewer faces are faults then.
+/// Inserts a ring of quads about the corner opposite to the straight corner of each fault, where the objective improves.
 pub(in super::super) fn put_rings(engine: &mut Engine) {
     for face in (0..engine.mesh.face_bound() as u32).filter(|&face| engine.is_fault(face)).collect::<Vec<u32>>() {
         if !engine.is_fault(face) {
             continue;
         }
         let ring = opposite(engine, face).and_then(|corner| ring(engine, corner));
-        let Some(change) = ring.map(|ring| divided(engine, &ring).into_change()) else { continue };
+        let Some(change) = ring.map(|ring| subdivided(engine, &ring).into_change()) else { continue };
         let edit = Edit::with(engine.mesh, change);
-        let judged = if edit.is_sound() { engine.judge(&edit) } else { None };
-        let Some(judged) = judged.filter(|judged| judged.gain > LEAST_GAIN) else { continue };
+        let evaluation = if edit.is_sound() { engine.evaluate(&edit) } else { None };
+        let Some(evaluation) = evaluation.filter(|evaluation| evaluation.gain > LEAST_GAIN) else { continue };
         engine.excess += edit.growth();
         let change = edit.into_change();
-        engine.make(&change, &judged.targets);
+        engine.make(&change, &evaluation.targets);
         engine.counts.count(Kind::Ring);
     }
 }
@@ -224,7 +226,7 @@ fn opposite(engine: &Engine, face: u32) -> Option<u32> {
     Some([a, b, c, d][(straightest + 2) % 4])
 }
 
-/// The edges at a vertex, the smaller id first; `None` where one may not be split.
+/// The edges at a vertex, the smaller id first; `None` where one of them may not be split.
 fn ring(engine: &Engine, corner: u32) -> Option<BTreeSet<[u32; 2]>> {
     let edit = Edit::new(engine.mesh);
     let ends: BTreeSet<u32> = edit.around(corner).flat_map(|face| edit.beside(face, corner)).collect();
@@ -236,40 +238,40 @@ fn ring(engine: &Engine, corner: u32) -> Option<BTreeSet<[u32; 2]>> {
     may_be.then(|| ends.into_iter().map(|w| undirected([corner, w])).collect())
 }
 
-/// The edges that get a vertex, the smaller id first: those that the strip crosses. A triangle that it leaves over a
-/// feature would be a quad with a straight corner there; it is split on all sides, by a ring about its other corner.
-fn marked(engine: &Engine, strip: &Strip) -> BTreeSet<[u32; 2]> {
-    let mut marked: BTreeSet<[u32; 2]> = strip.crossings.iter().map(|&(side, _)| undirected(side)).collect();
-    // A ring may take away what another one has brought.
-    for _ in 0..RINGS {
-        let Some(corner) = straight(engine, &marked) else { break };
+/// The edges that an inserted strip splits, the smaller id first: those that it crosses. A triangle at its end whose side lies
+/// on a feature would become a quad with a straight corner; a ring about the opposite corner splits the other sides too.
+fn split_edges(engine: &Engine, strip: &Strip) -> BTreeSet<[u32; 2]> {
+    let mut edges: BTreeSet<[u32; 2]> = strip.crossings.iter().map(|&(side, _)| undirected(side)).collect();
+    // A ring removes the edges that it shares with another one.
+    for _ in 0..MOST_RINGS {
+        let Some(corner) = ring_corner(engine, &edges) else { break };
         let Some(ring) = ring(engine, corner) else { break };
-        marked = marked.symmetric_difference(&ring).copied().collect();
+        edges = edges.symmetric_difference(&ring).copied().collect();
     }
-    marked
+    edges
 }
 
-/// The corner opposite a side that lies on a feature and is the only one of a triangle to be split.
-fn straight(engine: &Engine, marked: &BTreeSet<[u32; 2]>) -> Option<u32> {
+/// The corner of a triangle opposite to a side that lies on a feature and is the triangle's only split side.
+fn ring_corner(engine: &Engine, edges: &BTreeSet<[u32; 2]>) -> Option<u32> {
     let edit = Edit::new(engine.mesh);
-    let on_feature = marked.iter().filter(|&&[a, b]| edit.across(a, b).is_none() || edit.across(b, a).is_none());
+    let on_feature = edges.iter().filter(|&&[a, b]| edit.across(a, b).is_none() || edit.across(b, a).is_none());
     on_feature.copied().find_map(|[a, b]| {
         let faces = [edit.left(a, b), edit.left(b, a)].into_iter().flatten();
         faces.filter(|&face| edit.face(face).len() == 3).find_map(|face| {
             let corner = edit.face(face).iter().copied().find(|v| ![a, b].contains(v))?;
-            let alone = [a, b].iter().all(|&v| !marked.contains(&undirected([v, corner])));
+            let alone = [a, b].iter().all(|&v| !edges.contains(&undirected([v, corner])));
             alone.then_some(corner)
         })
     })
 }
 
-/// The edit that gives edges a vertex each and divides their faces.
-fn divided<'e>(engine: &'e Engine, marked: &BTreeSet<[u32; 2]>) -> Edit<'e> {
+/// The edit that splits edges at their middles and subdivides their faces.
+fn subdivided<'e>(engine: &'e Engine, edges: &BTreeSet<[u32; 2]>) -> Edit<'e> {
     let mut edit = Edit::new(engine.mesh);
-    let mut faces: Vec<u32> = marked.iter().flat_map(|&[a, b]| [edit.left(a, b), edit.left(b, a)]).flatten().collect();
+    let mut faces: Vec<u32> = edges.iter().flat_map(|&[a, b]| [edit.left(a, b), edit.left(b, a)]).flatten().collect();
     faces.sort_unstable();
     faces.dedup();
-    let middles: FxHashMap<[u32; 2], u32> = marked.iter().map(|&side| (side, split(engine, &mut edit, side))).collect();
+    let middles: FxHashMap<[u32; 2], u32> = edges.iter().map(|&side| (side, split(engine, &mut edit, side))).collect();
     for face in faces {
         let corners = engine.mesh.face(face);
         let on_sides: Vec<Option<u32>> = sides(corners).map(|side| middles.get(&undirected(side)).copied()).collect();
@@ -282,22 +284,22 @@ fn divided<'e>(engine: &'e Engine, marked: &BTreeSet<[u32; 2]>) -> Edit<'e> {
     edit
 }
 
-/// What a face is divided into, given the new vertices on its sides: quads, but for a triangle with two, which is one
-/// still in its first part.
+/// The parts of a face with new vertices on its sides. All are quads, but for the first part of a triangle with two new
+/// vertices, which is a triangle.
 fn parts(engine: &Engine, edit: &mut Edit, corners: &[u32], on_sides: &[Option<u32>]) -> Vec<Vec<u32>> {
     let count = corners.len();
     let corner = |k: usize| corners[k % count];
     let middle = |k: usize| on_sides[k % count];
-    let met = |k: usize| Some([middle(k + count - 1)?, middle(k)?]);
+    let at_corner = |k: usize| Some([middle(k + count - 1)?, middle(k)?]);
     match on_sides.iter().flatten().count() {
         1 => vec![(0..count).flat_map(|k| [Some(corner(k)), middle(k)]).flatten().collect()],
         2 if count == 3 => {
-            let cut = (0..3).find_map(|k| Some((k, met(k)?)));
+            let cut = (0..3).find_map(|k| Some((k, at_corner(k)?)));
             cut.map_or(vec![corners.to_vec()], |(k, [before, after])| {
                 vec![vec![corner(k), after, before], vec![after, corner(k + 1), corner(k + 2), before]]
             })
         }
-        2 => match (0..4).find_map(|k| Some((k, met(k)?))) {
+        2 => match (0..4).find_map(|k| Some((k, at_corner(k)?))) {
             Some((k, [before, after])) => {
                 let centre = centre(engine, edit, corners);
                 vec![
@@ -317,12 +319,14 @@ fn parts(engine: &Engine, edit: &mut Edit, corners: &[u32], on_sides: &[Option<u
         },
         _ => {
             let centre = centre(engine, edit, corners);
-            (0..count).filter_map(|k| met(k).map(|[before, after]| vec![corner(k), after, centre, before])).collect()
+            (0..count)
+                .filter_map(|k| at_corner(k).map(|[before, after]| vec![corner(k), after, centre, before]))
+                .collect()
         }
     }
 }
 
-/// A new vertex in the middle of an edge: on the feature, if the edge is on one.
+/// Adds a vertex at the middle of an edge; on a feature curve where the edge lies on one.
 fn split(engine: &Engine, edit: &mut Edit, [a, b]: [u32; 2]) -> u32 {
     let middle = (edit.point(a) + edit.point(b)) / 2.0;
     let faces = [edit.left(a, b), edit.left(b, a)];
@@ -354,13 +358,13 @@ fn split(engine: &Engine, edit: &mut Edit, [a, b]: [u32; 2]) -> u32 {
     vertex
 }
 
-/// A new vertex in the middle of a face.
+/// Adds a vertex at the middle of a face.
 fn centre(engine: &Engine, edit: &mut Edit, corners: &[u32]) -> u32 {
     let sum: DVec3 = corners.iter().map(|&v| edit.point(v)).sum();
     add_free(engine, edit, sum / corners.len() as f64, corners)
 }
 
-/// A new vertex on the surface, reached from one of those near it.
+/// Adds a free vertex at a point, reached over the surface from a free vertex nearby.
 fn add_free(engine: &Engine, edit: &mut Edit, point: DVec3, near: &[u32]) -> u32 {
     let surface = engine.surface();
     let from = near.iter().copied().find(|&v| edit.is_free(v));
@@ -384,7 +388,7 @@ fn add_free(engine: &Engine, edit: &mut Edit, point: DVec3, near: &[u32]) -> u32
     edit.add_vertex(vertex, like)
 }
 
-/// Whether a boundary edge can get a vertex: not where other sheets meet there, which would need it as well.
+/// Whether a boundary edge may be split: not on a curve that other sheets share, as they would need the vertex too.
 fn may_split(engine: &Engine, side: [u32; 2]) -> bool {
     engine.mesh.curve(side).is_some_and(|curve| !engine.context.is_shared(curve))
 }
@@ -397,9 +401,9 @@ fn added_on_features(edit: &Edit) -> (usize, usize) {
     (new.len() - on_boundary, on_boundary)
 }
 
-/// The edit in which the ends of each edge that a strip crosses are one, and the faces on it are gone; `None` where features
-/// meet, or where the strip leads out.
-fn taken_out<'a>(edit: &Edit<'a>, strip: &Strip) -> Option<Edit<'a>> {
+/// The edit that removes the faces along a strip and merges the ends of each edge that it crosses; `None` where two vertices on
+/// features would merge, or where the strip leaves over a boundary.
+fn removed<'a>(edit: &Edit<'a>, strip: &Strip) -> Option<Edit<'a>> {
     let mut result = edit.clone();
     result.set_face(strip.triangle, &[]);
     for &(_, face) in &strip.crossings {
@@ -408,15 +412,15 @@ fn taken_out<'a>(edit: &Edit<'a>, strip: &Strip) -> Option<Edit<'a>> {
         }
         result.set_face(face, &[]);
     }
-    // What each vertex has become.
+    // The vertex that each removed one is merged into.
     let mut merged: Vec<[u32; 2]> = Vec::new();
     for &(side, _) in &strip.crossings {
         let [a, b] = side.map(|v| merged.iter().fold(v, |v, &[from, to]| if v == from { to } else { v }));
         if a == b {
             return None;
         }
-        let stays = result.merge(a, b)?;
-        merged.push([if stays == a { b } else { a }, stays]);
+        let kept = result.merge(a, b)?;
+        merged.push([if kept == a { b } else { a }, kept]);
     }
     Some(result)
 }

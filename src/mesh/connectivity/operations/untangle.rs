@@ -1,10 +1,10 @@
-//! Faults are cut anew, go, or are split.
+//! Untangling: edits that remove faults, which are inverted, concave or degenerate faces.
 //!
 //! # Theory
-//! A face is a fault where it is inverted, concave or without area: it spans a part thinner than a tile, or all of its corners
-//! lie on one feature curve. It is cut anew together with a face beside it in every way that leaves quads and triangles, one
-//! of its edges shrinks, two of its corners meet, a vertex of its curve goes, or it is split; by one change, or by two. Where
-//! all faces are to be quads and nothing else helps, a ring of quads is put about the corner opposite to a straight one.
+//! A fault spans a part thinner than a tile, or all of its corners lie on one feature curve. Six edits are proposed: it is recut
+//! together with a face beside it, one of its edges is collapsed, two of its corners are merged, it meets a triangle beside it, a
+//! vertex of its curve is removed, or it is split. If none helps, two edits in turn are proposed. With [`Quads::All`] the last
+//! resort is a ring of quads about the corner opposite to a straight one.
 
 use super::super::edit::Edit;
 use super::super::{Engine, Kind, Quads};
@@ -13,33 +13,43 @@ use super::walk;
 use crate::mesh::incidence::sides;
 use crate::mesh::surface_mesh::Place;
 
-/// The edits about a fault.
+/// The single edits about a fault.
 pub(super) fn once<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
     let mut edits = recuts_and_collapses(&Edit::new(engine.mesh), face);
-    edits.retain(|(_, edit)| may_be(engine, edit));
+    edits.retain(|(_, edit)| is_allowed(engine, edit));
     edits
 }
 
-/// The edits about a fault in two steps.
+/// The pairs of edits about a fault, each pair as one edit.
 pub(super) fn twice<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
     let mut edits: Vec<(Kind, Edit)> = Vec::new();
     for (kind, edit) in recuts_and_collapses(&Edit::new(engine.mesh), face) {
         let faces: Vec<u32> = edit.changed().filter(|(_, corners)| !corners.is_empty()).map(|(face, _)| face).collect();
         let again = faces.into_iter().flat_map(|face| recuts_and_collapses(&edit, face));
-        edits.extend(again.map(|(_, edit)| (kind, edit)).filter(|(_, edit)| may_be(engine, edit)));
+        let again = again.filter(|edit| has_fewer_faults(engine, &edit.1));
+        edits.extend(again.map(|(_, edit)| (kind, edit)).filter(|(_, edit)| is_allowed(engine, edit)));
     }
     edits
 }
 
-/// Where all faces are to be quads no triangle may come.
-fn may_be(engine: &Engine, edit: &Edit) -> bool {
-    let is_triangle = |corners: &[u32]| usize::from(corners.len() == 3);
-    let come: usize = edit.changed().map(|(_, corners)| is_triangle(corners)).sum();
-    let gone: usize = edit.changed().map(|(face, _)| is_triangle(edit.before(face))).sum();
-    (engine.options.quads != Quads::All || come <= gone) && edit.is_sound_without(&dropped(edit))
+/// Whether fewer of the changed faces are faults than before before the vertices relax: a quick test, as edits in two
+/// steps are many.
+fn has_fewer_faults(engine: &Engine, edit: &Edit) -> bool {
+    let old = edit.changed().filter(|(face, _)| !edit.before(*face).is_empty());
+    let before = old.filter(|(face, _)| engine.is_fault(*face)).count();
+    let new = edit.changed().filter(|(_, corners)| !corners.is_empty());
+    new.filter(|(face, _)| edit.measure(engine.context, *face).is_fault).take(before).count() < before
 }
 
-/// The edits in which a face is cut anew together with one beside it, shrinks, or is split.
+/// Whether an edit is sound, and adds no triangle with [`Quads::All`].
+fn is_allowed(engine: &Engine, edit: &Edit) -> bool {
+    let is_triangle = |corners: &[u32]| usize::from(corners.len() == 3);
+    let added: usize = edit.changed().map(|(_, corners)| is_triangle(corners)).sum();
+    let removed: usize = edit.changed().map(|(face, _)| is_triangle(edit.before(face))).sum();
+    (engine.options.quads != Quads::All || added <= removed) && edit.is_sound_without(&dropped(edit))
+}
+
+/// The edits that recut a face together with one beside it, collapse it or split it.
 fn recuts_and_collapses<'e>(edit: &Edit<'e>, face: u32) -> Vec<(Kind, Edit<'e>)> {
     let corners = edit.face(face);
     let count = corners.len();
@@ -49,7 +59,7 @@ fn recuts_and_collapses<'e>(edit: &Edit<'e>, face: u32) -> Vec<(Kind, Edit<'e>)>
     }
     for side in 0..count {
         let [a, b] = [corners[side], corners[(side + 1) % count]];
-        edits.extend(shrunk(edit, a, b).into_iter().map(|edit| (Kind::Collapse, edit)));
+        edits.extend(edge_collapsed(edit, a, b).into_iter().map(|edit| (Kind::Collapse, edit)));
         let Some(other) = edit.across(a, b) else { continue };
         let beyond = edit.face(other);
         let cut = match (count, beyond.len()) {
@@ -69,8 +79,8 @@ fn recuts_and_collapses<'e>(edit: &Edit<'e>, face: u32) -> Vec<(Kind, Edit<'e>)>
     edits
 }
 
-/// The edits in which the ends of an edge are one. On a feature curve one of the two ends goes that is no corner.
-fn shrunk<'e>(edit: &Edit<'e>, a: u32, b: u32) -> Vec<Edit<'e>> {
+/// The edits that collapse an edge. Of an edge on a feature curve an end is removed that is no corner.
+fn edge_collapsed<'e>(edit: &Edit<'e>, a: u32, b: u32) -> Vec<Edit<'e>> {
     if edit.is_free(a) || edit.is_free(b) {
         let mut result = edit.clone();
         return result.merge(a, b).map(|_| result).into_iter().collect();
@@ -83,21 +93,23 @@ fn shrunk<'e>(edit: &Edit<'e>, a: u32, b: u32) -> Vec<Edit<'e>> {
         .filter(may_go)
         .filter_map(|[stays, goes]| {
             let next = feature_neighbours(edit, goes, curve).into_iter().find(|&w| w != stays)?;
-            // A closed curve of three edges cannot be shorter.
-            if edit.curve([stays, next]).is_some() {
+            // Where another feature already joins the two, two curves coincide there: the triangle between them must be removed.
+            let other = edit.curve([stays, next]);
+            let is_between = |face: u32| [stays, next].iter().all(|v| edit.face(face).contains(v));
+            if other.is_some() && !edit.around(goes).any(|face| edit.face(face).len() == 3 && is_between(face)) {
                 return None;
             }
             let mut result = edit.clone();
             result.set_feature([goes, stays], None);
             result.set_feature([goes, next], None);
-            result.set_feature([stays, next], Some(curve));
+            result.set_feature([stays, next], other.or(Some(curve)));
             result.absorb(stays, goes)?;
             Some(result)
         })
         .collect()
 }
 
-/// The vertices on features that an edit leaves without a face, their feature edges having been joined.
+/// The vertices on features that an edit leaves without a face after it has merged their feature edges.
 fn dropped(edit: &Edit) -> Vec<u32> {
     let is_dropped = |v: &u32| {
         let vertex = edit.vertex(*v);
