@@ -67,7 +67,7 @@ fn the_triangulation_keeps_the_topology() {
             "{name}: {faults}"
         );
         assert_eq!(mesh.points.len(), mosaic.count() + triangulation.extra, "{name}");
-        assert_eq!(triangulation.sites, mosaic.feature_samples.len(), "{name}");
+        assert_eq!(triangulation.feature_samples, mosaic.feature_samples.len(), "{name}");
         assert_eq!(triangulation.extra, 0, "{name}: a handle of these surfaces is wider than a tile");
         // The sphere's area is kept nearly; of what is lost, chords of a tile side take h^2 / 8 R^2.
         if name == "sphere" {
@@ -81,7 +81,7 @@ fn the_triangulation_keeps_the_topology() {
             assert!((area / surface.area() - 1.0).abs() < 0.02, "{}", area / surface.area());
         }
         // An inner face less is seen.
-        let inner = |face: &[u32]| face.iter().all(|&v| v as usize >= triangulation.sites);
+        let inner = |face: &[u32]| face.iter().all(|&v| v as usize >= triangulation.feature_samples);
         let taken = mesh.faces().position(inner).expect("a face off the features");
         let mut torn = Mesh::new(mesh.points.clone());
         mesh.faces().enumerate().filter(|(f, _)| *f != taken).for_each(|(_, face)| torn.push_face(face));
