@@ -104,14 +104,14 @@ fn quads_have_the_asked_aspect_along_the_guide() {
                 let made = outcome(soup, &options(Guide::vector(at, way.into()), aspect, rows));
                 let what = format!("{name}, {aspect}, {rows:?}");
                 // Rows come whole, and of the wide ones there are at least 13.
-                let found = mean(&along(&made.mesh, |_| way));
+                let found = mean(&along(&made.meshed.mesh, |_| way));
                 assert!((found / aspect).ln().abs() < 0.05, "{what}: {found}");
-                let turned = turned(&made.mesh, way);
+                let turned = turned(&made.meshed.mesh, way);
                 assert!(turned < 1.0, "{what}: {turned} degrees");
                 // One row more or less, of those that have fewest tiles, is 4 % of them.
                 let miss = made.mosaic.count() as f64 / POINTS as f64 - 1.0;
                 assert!(miss.abs() < 0.03, "{what}: {miss}");
-                assert!(check(&made.mesh).is_clean(), "{what}: {}", check(&made.mesh));
+                assert!(check(&made.meshed.mesh).is_clean(), "{what}: {}", check(&made.meshed.mesh));
                 let StretchReport { odd_singularities, nearly_square, unguided, .. } = stretched(&made);
                 assert_eq!((odd_singularities, nearly_square, unguided), (0, 0.0, 0.0), "{what}");
             }
@@ -123,7 +123,7 @@ fn quads_have_the_asked_aspect_along_the_guide() {
 fn without_an_aspect_a_guide_makes_squares() {
     let guide = Guide::vector([1.5, 1.5, 0.0], [1.0, 0.0, 0.0]);
     let made = outcome(&flat(30, 30, 0.1), &options(guide, 1.0, Rows::Paper));
-    let found = mean(&along(&made.mesh, |_| DVec3::X));
+    let found = mean(&along(&made.meshed.mesh, |_| DVec3::X));
     assert!((found - 1.0).abs() < 0.03, "{found}");
     assert!(made.field.stretch().is_none());
 }
@@ -158,7 +158,7 @@ fn the_choice_passes_creases() {
         // On each of the four sides, of which the guide knows one.
         for side in [DVec3::X, DVec3::Y, -DVec3::X, -DVec3::Y] {
             let there = |quad: &&Sides| quad.middle.dot(side) > 0.98;
-            let quads = sides(&made.mesh);
+            let quads = sides(&made.meshed.mesh);
             let ratios: Vec<f64> = quads
                 .iter()
                 .filter(there)
@@ -171,7 +171,7 @@ fn the_choice_passes_creases() {
     }
     // On a round tube too: there the longer side goes round.
     let made = outcome(&tube(false), &options(Guide::vector([1.0, 0.0, 1.5], [0.0, 1.0, 0.0]), 3.0, Rows::Paper));
-    assert!((mean(&along(&made.mesh, round)) / 3.0).ln().abs() < 0.05);
+    assert!((mean(&along(&made.meshed.mesh, round)) / 3.0).ln().abs() < 0.05);
 }
 
 #[test]
@@ -180,14 +180,14 @@ fn rows_of_a_wing_run_along_its_span() {
     let span = DVec3::new(0.45, 1.0, 0.0).normalize();
     for rows in [Rows::Paper, Rows::Continuous] {
         let made = outcome(&soup, &options(Guide::vector([0.6, 0.6, 0.02], span.into()).within(0.3), 3.0, rows));
-        let mut ratios = along(&made.mesh, |_| span);
+        let mut ratios = along(&made.meshed.mesh, |_| span);
         ratios.sort_by(f64::total_cmp);
         let median = ratios[ratios.len() / 2];
         assert!((median / 3.0).ln().abs() < 0.06, "{rows:?}: {median}");
-        assert!(turned(&made.mesh, span) < 30.0, "{rows:?}: the edges are swept by 16 and 30 degrees");
+        assert!(turned(&made.meshed.mesh, span) < 30.0, "{rows:?}: the edges are swept by 16 and 30 degrees");
         let miss = made.mosaic.count() as f64 / POINTS as f64 - 1.0;
         assert!(miss.abs() < if rows == Rows::Paper { 0.011 } else { 0.03 }, "{rows:?}: {miss}");
-        let faults = check(&made.mesh);
+        let faults = check(&made.meshed.mesh);
         assert!(faults.is_clean(), "{rows:?}: {faults}");
         assert_eq!((faults.euler, faults.boundary_loops), (1, 1), "{rows:?}");
         let StretchReport { odd_singularities, nearly_square, unguided, .. } = stretched(&made);
@@ -211,7 +211,7 @@ fn about_odd_singularities_tiles_are_squares() {
         .collect();
     assert_eq!(odd.len(), 8);
     let (mut near, mut guided) = (Vec::new(), Vec::new());
-    for quad in sides(&made.mesh) {
+    for quad in sides(&made.meshed.mesh) {
         let ratio = quad.ratio.max(1.0 / quad.ratio);
         if odd.iter().any(|place| place.distance(quad.middle) < 0.12) {
             near.push(ratio);
@@ -253,7 +253,7 @@ fn a_part_that_no_guide_reaches_has_squares() {
     let report = stretched(&made);
     assert!((report.unguided - 0.5).abs() < 1e-6 && report.nearly_square == 0.0, "{report:?}");
     for (range, aspect) in [(0.0..2.0, 4.0), (3.0..5.0, 1.0)] {
-        let quads = sides(&made.mesh);
+        let quads = sides(&made.meshed.mesh);
         let own = quads.iter().filter(|quad| range.contains(&quad.middle.x));
         let ratios: Vec<f64> =
             own.map(|quad| if quad.ways[0].x.abs() > 0.7 { quad.ratio } else { 1.0 / quad.ratio }).collect();
@@ -289,10 +289,14 @@ fn both_backends_stretch_alike() {
     let on_cpu = outcome(&soup, &options);
     if gpu.adapter().hardware {
         // Other roundings may lay a row elsewhere; the figures agree.
-        let qr = |made: &Outcome| Quality::of(&made.mesh).qr;
+        let qr = |made: &Outcome| Quality::of(&made.meshed.mesh).qr;
         assert!((qr(&on_gpu) - qr(&on_cpu)).abs() < 0.02);
     } else {
-        assert_eq!(on_gpu.mesh, on_cpu.mesh);
+        assert_eq!(on_gpu.meshed.mesh, on_cpu.meshed.mesh);
     }
-    assert_ne!(on_cpu.mesh, outcome(&soup, &Options { aspect: 1.0, ..options }).mesh, "the aspect does something");
+    assert_ne!(
+        on_cpu.meshed.mesh,
+        outcome(&soup, &Options { aspect: 1.0, ..options }).meshed.mesh,
+        "the aspect does something"
+    );
 }

@@ -11,7 +11,7 @@ use quadmosaic::surface::examples::Example;
 
 fn mesh(name: &str, points: usize, backend: &dyn Backend) -> Mesh {
     let soup = name.parse::<Example>().unwrap().generate(5000);
-    run(&soup, &Options::new(Fineness::Points(points)), backend, &|_, _| {}).unwrap().mesh
+    run(&soup, &Options::new(Fineness::Points(points)), backend, &|_, _| {}).unwrap().meshed.mesh
 }
 
 #[test]

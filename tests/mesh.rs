@@ -1,4 +1,4 @@
-//! From tiles to faces: the triangulation keeps the surface's topology, holes are treated as asked, smoothing improves.
+//! From tiles to faces: the triangulation keeps the surface's topology, and holes are treated as asked.
 
 mod common;
 
@@ -7,11 +7,10 @@ use quadmosaic::compute::Cpu;
 use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mesh::check::check;
 use quadmosaic::mesh::connect::{ConnectOptions, connect};
-use quadmosaic::mesh::fill::{Holes, fill};
-use quadmosaic::mesh::quality::{Quality, quad_shape, triangle_shape};
-use quadmosaic::mesh::smooth::smooth;
+use quadmosaic::mesh::fill::{self, Holes};
+use quadmosaic::mesh::quality::Quality;
 use quadmosaic::mesh::triangulate::triangulate;
-use quadmosaic::mesh::{Mesh, Triangulation};
+use quadmosaic::mesh::{Context, Mesh, Triangulation};
 use quadmosaic::mosaic::{Effort, Mosaic, MosaicBuilder};
 use quadmosaic::parametrize::Rows;
 use quadmosaic::surface::Surface;
@@ -34,6 +33,12 @@ fn tiled(name: &str) -> (Surface, Mosaic, Triangulation) {
     (surface, mosaic, triangulation)
 }
 
+/// The mesh that the edges enclose, unit-sized, and the number of its holes.
+fn fill(surface: &Surface, triangulation: &Triangulation, edges: &[bool], holes: Holes) -> (Mesh, usize) {
+    let (mesh, count) = fill::fill(&Context::new(surface), triangulation, edges, holes);
+    (mesh.to_mesh(), count)
+}
+
 /// Constraints that no edge meets; those on features are made all the same.
 const NO_EDGE: ConnectOptions = ConnectOptions { max_distance: 0.0, max_angle: 0.0 };
 
@@ -52,7 +57,7 @@ fn the_triangulation_keeps_the_topology() {
     for (name, characteristic, loops) in EXAMPLES {
         let (surface, mosaic, triangulation) = tiled(name);
         let all = vec![true; half_edges(&triangulation)];
-        let (mesh, holes) = fill(&triangulation, &all, Holes::Leave);
+        let (mesh, holes) = fill(&surface, &triangulation, &all, Holes::Leave);
         assert_eq!((holes, sides(&mesh)), (0, [all.len() / 3, 0, 0]), "{name}: all edges make triangles");
         let faults = check(&mesh);
         assert_eq!((faults.euler, faults.boundary_loops), (characteristic, loops), "{name}");
@@ -62,7 +67,7 @@ fn the_triangulation_keeps_the_topology() {
             "{name}: {faults}"
         );
         assert_eq!(mesh.points.len(), mosaic.count() + triangulation.extra, "{name}");
-        assert_eq!(triangulation.sites, mosaic.feature_samples.len(), "{name}");
+        assert_eq!(triangulation.feature_samples, mosaic.feature_samples.len(), "{name}");
         assert_eq!(triangulation.extra, 0, "{name}: a handle of these surfaces is wider than a tile");
         // The sphere's area is kept nearly; of what is lost, chords of a tile side take h^2 / 8 R^2.
         if name == "sphere" {
@@ -76,7 +81,7 @@ fn the_triangulation_keeps_the_topology() {
             assert!((area / surface.area() - 1.0).abs() < 0.02, "{}", area / surface.area());
         }
         // An inner face less is seen.
-        let inner = |face: &[u32]| face.iter().all(|&v| v as usize >= triangulation.sites);
+        let inner = |face: &[u32]| face.iter().all(|&v| v as usize >= triangulation.feature_samples);
         let taken = mesh.faces().position(inner).expect("a face off the features");
         let mut torn = Mesh::new(mesh.points.clone());
         mesh.faces().enumerate().filter(|(f, _)| *f != taken).for_each(|(_, face)| torn.push_face(face));
@@ -87,17 +92,17 @@ fn the_triangulation_keeps_the_topology() {
 #[test]
 fn holes_are_treated_as_asked() {
     for (name, characteristic, loops) in EXAMPLES {
-        let (_, _, triangulation) = tiled(name);
+        let (surface, _, triangulation) = tiled(name);
         // With a small angle fewer tiles are connected than with the default.
         let strict = ConnectOptions { max_angle: 12.0, ..ConnectOptions::default() };
         let [edges, strict] = [ConnectOptions::default(), strict].map(|options| connect(&triangulation, &options));
-        let (left, few) = fill(&triangulation, &edges, Holes::Leave);
-        let (left_strict, many) = fill(&triangulation, &strict, Holes::Leave);
+        let (left, few) = fill(&surface, &triangulation, &edges, Holes::Leave);
+        let (left_strict, many) = fill(&surface, &triangulation, &strict, Holes::Leave);
         let [loose_quads, strict_quads] = [&left, &left_strict].map(|mesh| sides(mesh)[1]);
         assert!(strict_quads < loose_quads, "{name}: {strict_quads} quads with a small angle, {loose_quads} else");
         for (edges, holes, open) in [(&edges, few, &left), (&strict, many, &left_strict)] {
             for way in [Holes::Patterns, Holes::Triangles, Holes::Leave] {
-                let (mesh, found) = fill(&triangulation, edges, way);
+                let (mesh, found) = fill(&surface, &triangulation, edges, way);
                 assert_eq!(found, holes, "{name}, {way:?}: the same holes, whatever is done with them");
                 let [triangles, quads, polygons] = sides(&mesh);
                 assert_eq!(polygons > 0, way == Holes::Leave, "{name}, {way:?}: {polygons}");
@@ -133,43 +138,11 @@ fn more_edges_are_made_the_laxer_the_constraints() {
     assert!(made(1.6, 30.0) <= 4 * COUNT * 102 / 100 && made(1.6, 30.0) > 4 * COUNT * 9 / 10, "{by_angle:?}");
 }
 
-/// The shapes of all faces.
-fn shapes(mesh: &Mesh) -> Vec<f64> {
-    mesh.faces()
-        .map(|face| match *face {
-            [a, b, c] => triangle_shape([a, b, c].map(|v| mesh.points[v as usize])),
-            [a, b, c, d] => quad_shape([a, b, c, d].map(|v| mesh.points[v as usize])),
-            _ => panic!("holes are filled"),
-        })
-        .collect()
-}
-
-#[test]
-fn smoothing_improves_and_leaves_features_alone() {
-    for (name, ..) in EXAMPLES {
-        let (surface, _, triangulation) = tiled(name);
-        let (mesh, _) = fill(&triangulation, &connect(&triangulation, &ConnectOptions::default()), Holes::Patterns);
-        let all: Vec<u32> = (0..mesh.points.len() as u32).collect();
-        let below = triangulation.free_triangles(&all);
-        assert_eq!(smooth(&surface, &mesh, &below, 0).mesh, mesh, "{name}");
-        let smoothed = smooth(&surface, &mesh, &below, 6).mesh;
-        let least = |mesh: &Mesh| shapes(mesh).into_iter().fold(f64::MAX, f64::min);
-        let mean = |mesh: &Mesh| shapes(mesh).iter().sum::<f64>() / mesh.face_count() as f64;
-        assert!(least(&smoothed) >= least(&mesh), "{name}: {} after {}", least(&smoothed), least(&mesh));
-        assert!(mean(&smoothed) > mean(&mesh), "{name}: {} after {}", mean(&smoothed), mean(&mesh));
-        assert!(smoothed.faces().eq(mesh.faces()), "{name}: faces stay");
-        let moved = |v: usize| smoothed.points[v] != mesh.points[v];
-        assert!((0..triangulation.sites).all(|v| !moved(v)), "{name}: sites stay");
-        let still = smooth(&surface, &mesh, &vec![None; mesh.points.len()], 6).mesh;
-        assert_eq!(still, mesh, "{name}: fixed vertices stay");
-    }
-}
-
 #[test]
 fn what_is_connected_is_mostly_quads() {
-    let (_, _, triangulation) = tiled("sphere");
+    let (surface, _, triangulation) = tiled("sphere");
     let filled = |options: &ConnectOptions| {
-        Quality::of(&fill(&triangulation, &connect(&triangulation, options), Holes::Triangles).0).qr
+        Quality::of(&fill(&surface, &triangulation, &connect(&triangulation, options), Holes::Triangles).0).qr
     };
     // The paper's share before clean-up is about 0.80.
     assert!(filled(&ConnectOptions::default()) > 0.8, "{}", filled(&ConnectOptions::default()));

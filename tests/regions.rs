@@ -57,7 +57,7 @@ fn wrong(soup: &Soup, outcome: &Outcome, mesh: &Mesh) -> f64 {
 fn faces_have_the_names_of_their_regions() {
     for (name, mut soup) in [("box", named_box()), ("plate", named_plate())] {
         let outcome = meshed(&soup, true);
-        let mesh = &outcome.mesh;
+        let mesh = &outcome.meshed.mesh;
         assert_eq!(mesh.regions.names, soup.regions.names, "{name}");
         assert_eq!(mesh.regions.of_face.len(), mesh.face_count(), "{name}");
         assert!(mesh.regions.of_face.is_sorted(), "{name}: the faces of a region are in a row");
@@ -72,13 +72,13 @@ fn faces_have_the_names_of_their_regions() {
 fn faces_that_lie_on_two_regions_have_the_name_of_one() {
     let soup = named_plate();
     let outcome = meshed(&soup, false);
-    assert_eq!(outcome.mesh.regions.of_face.len(), outcome.mesh.face_count());
-    let share = wrong(&soup, &outcome, &outcome.mesh);
+    assert_eq!(outcome.meshed.mesh.regions.of_face.len(), outcome.meshed.mesh.face_count());
+    let share = wrong(&soup, &outcome, &outcome.meshed.mesh);
     // Of some 30 by 15 faces two columns at most lie across the border.
     assert!(share < 2.0 / 30.0, "{share}");
     let mut other = soup;
     other.regions = Regions::default();
-    assert_eq!(meshed(&other, false).mesh.regions, Regions::default());
+    assert_eq!(meshed(&other, false).meshed.mesh.regions, Regions::default());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use common::surfaces::{example, flat};
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::gpu::GpuBackend;
 use quadmosaic::mesh::check::check;
-use quadmosaic::mesh::pair::{PairOptions, Quads};
+use quadmosaic::mesh::connectivity::{ConnectivityOptions, Quads};
 use quadmosaic::mesh::quality::Quality;
 use quadmosaic::parametrize::Rows;
 use quadmosaic::parametrize::integrable_sizes::integrable_sizes;
@@ -26,7 +26,7 @@ fn meshed(name: &str, rows: Rows, fit: f64, backend: &dyn Backend) -> Outcome {
 
 /// Faces that are no quads, before any clean-up, as a share of all.
 fn odd(outcome: &Outcome) -> f64 {
-    1.0 - Quality::of(&outcome.before).qr
+    1.0 - Quality::of(&outcome.meshed.before).qr
 }
 
 #[test]
@@ -35,12 +35,12 @@ fn continuous_rows_leave_no_end_and_hardly_an_odd_face() {
         let woven = meshed(name, Rows::Continuous, 1.0, &Cpu);
         let ends = woven.mosaic.row_ends.expect("rows were led on");
         assert_eq!(ends.after, 0, "{name}: {ends:?}");
-        let faults = check(&woven.mesh);
+        let faults = check(&woven.meshed.mesh);
         assert!(faults.is_clean(), "{name}: {faults}");
         assert_eq!((faults.euler, faults.boundary_loops), (characteristic, loops), "{name}");
         // Where the coordinates fold, beside cones and corners, holes are left: a dozen odd faces are 1 % of these meshes.
         assert!(odd(&woven) < 0.015, "{name}: {}", odd(&woven));
-        let miss = Quality::of(&woven.mesh).vertices as f64 / POINTS as f64 - 1.0;
+        let miss = Quality::of(&woven.meshed.mesh).vertices as f64 / POINTS as f64 - 1.0;
         // Rows come whole: one more round the block's hole is 3 % of its tiles.
         assert!(miss.abs() < 0.04, "{name}: {miss}");
     }
@@ -77,12 +77,12 @@ fn fitting_tiles_of_a_torus_grow_with_the_distance_from_its_axis() {
 
 #[test]
 fn continuous_rows_are_the_same_on_both_backends_and_every_time() {
-    let cpu = meshed("block", Rows::Continuous, 1.0, &Cpu).mesh;
-    assert_eq!(cpu, meshed("block", Rows::Continuous, 1.0, &Cpu).mesh);
-    assert_ne!(cpu, meshed("block", Rows::Continuous, 0.5, &Cpu).mesh, "the dial does something");
+    let cpu = meshed("block", Rows::Continuous, 1.0, &Cpu).meshed.mesh;
+    assert_eq!(cpu, meshed("block", Rows::Continuous, 1.0, &Cpu).meshed.mesh);
+    assert_ne!(cpu, meshed("block", Rows::Continuous, 0.5, &Cpu).meshed.mesh, "the dial does something");
     let Some(gpu) = common::gpu() else { return };
     let backend = GpuBackend::new(gpu).expect("kernels");
-    let other = meshed("block", Rows::Continuous, 1.0, &backend).mesh;
+    let other = meshed("block", Rows::Continuous, 1.0, &backend).meshed.mesh;
     if gpu.adapter().hardware {
         // Other roundings may lead a row elsewhere; the figures agree.
         assert!((Quality::of(&cpu).qr - Quality::of(&other).qr).abs() < 0.02);
@@ -93,10 +93,10 @@ fn continuous_rows_are_the_same_on_both_backends_and_every_time() {
 
 #[test]
 fn continuous_rows_have_the_irregular_vertices_that_the_field_demands() {
-    let pairing = Some(PairOptions { quads: Quads::All, ..PairOptions::default() });
+    let connectivity = Some(ConnectivityOptions { quads: Quads::All, ..ConnectivityOptions::default() });
     for name in ["torus", "sphere", "m6"] {
         let surplus = [Rows::Continuous, Rows::Paper].map(|rows| {
-            let options = Options { pairing, ..options(rows, 1.0) };
+            let options = Options { connectivity, ..options(rows, 1.0) };
             let outcome =
                 run(&example(name, 6_000), &options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
             let report = Report::new(name, &options, &Cpu, &outcome);
@@ -125,10 +125,10 @@ fn rows_run_on_past_the_ends_of_creases_half_a_tile_apart() {
     let nearest = [Rows::Continuous, Rows::Paper].map(|rows| {
         let options = Options { edges: edges.clone(), ..Options { rows, ..Options::new(Fineness::Size(1.0)) } };
         let outcome = run(&soup, &options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
-        assert!(check(&outcome.mesh).is_clean());
-        assert_eq!(Quality::of(&outcome.mesh).irregular_vertices, 0);
+        assert!(check(&outcome.meshed.mesh).is_clean());
+        assert_eq!(Quality::of(&outcome.meshed.mesh).irregular_vertices, 0);
         // The end of the longer crease, four and a half tiles from its beginning.
-        outcome.mesh.points.iter().map(|[x, y, _]| (x - 9.5).hypot(y - 8.0)).fold(f64::INFINITY, f64::min)
+        outcome.meshed.mesh.points.iter().map(|[x, y, _]| (x - 9.5).hypot(y - 8.0)).fold(f64::INFINITY, f64::min)
     });
     assert!(nearest[0] > 0.2 && nearest[1] < 1e-3, "only rows that may end have a tile there: {nearest:?}");
 }

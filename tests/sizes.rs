@@ -114,7 +114,7 @@ fn samples(places: &[([f64; 3], f64)]) -> Vec<SizeSample> {
 }
 
 fn meshed(soup: &Soup, options: &Options, backend: &dyn Backend) -> Mesh {
-    run(soup, options, backend, &|_, _| {}).unwrap_or_else(|error| panic!("{error}")).mesh
+    run(soup, options, backend, &|_, _| {}).unwrap_or_else(|error| panic!("{error}")).meshed.mesh
 }
 
 /// The middle and length of each edge of a mesh, those between two quads twice.

@@ -49,17 +49,19 @@ fn every_pair_is_a_row_with_the_figures_of_a_run() {
     assert_eq!((row.surface.as_str(), row.points, row.max_angle), ("a <plate>", 300, 20.0));
     let connect = ConnectOptions { max_angle: 20.0, max_distance: 1.6 };
     let options = Options { connect, ..Options::new(Fineness::Points(300)) };
-    let paper = Options { pairing: None, ..options.clone() };
+    let paper = options.clone().with_paper_clean_up();
     let [outcome, paper] = [options, paper].map(|options| {
         pipeline::run(&subjects[1].soup, &options, &Cpu, &|_, _| ()).unwrap_or_else(|error| panic!("{error}"))
     });
-    for (found, mesh) in [(row.before, &outcome.before), (row.cleaned, &paper.mesh), (row.after, &outcome.mesh)] {
+    for (found, mesh) in
+        [(row.before, &outcome.meshed.before), (row.cleaned, &paper.meshed.mesh), (row.after, &outcome.meshed.mesh)]
+    {
         let Quality { vertices, quads, qr, qg, tg, .. } = Quality::of(mesh);
         assert_eq!((found.vertices, found.quads, found.qr), (vertices, quads, qr));
         assert_eq!((found.qg, found.tg), (qg.map(|spread| spread.mean), tg.map(|spread| spread.mean)));
     }
     assert!(row.before.qg != row.cleaned.qg && row.cleaned.qr != row.after.qr, "three meshes that differ: {row:?}");
-    assert_eq!((row.holes, row.faults), (outcome.holes, 0));
+    assert_eq!((row.holes, row.faults), (outcome.meshed.holes, 0));
 
     let csv = fs::read_to_string(folder.path().join("study.csv")).expect("it is there");
     let lines: Vec<&str> = csv.lines().collect();

@@ -10,7 +10,7 @@ use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::gpu::GpuBackend;
 use quadmosaic::mesh::Mesh;
 use quadmosaic::mesh::check::{check, check_joined};
-use quadmosaic::pipeline::{Fineness, Options, Outcome, run};
+use quadmosaic::pipeline::{Fineness, Meshed, Options, Outcome, run};
 use quadmosaic::surface::{Soup, Surface};
 use rayon::prelude::*;
 use shapes::Shape;
@@ -117,12 +117,27 @@ fn difference(surface: &Soup, mesh: &Mesh, roundness: f64) -> Option<String> {
 #[test]
 fn meshes_branch_where_sheets_meet_and_nowhere_else() {
     for (shape, outcomes) in shapes() {
-        for Outcome { mesh, branches, .. } in outcomes {
+        for Meshed { mesh, branches, faults, differences, .. } in outcomes.iter().map(|outcome| &outcome.meshed) {
             let what = format!("{}, {} vertices", shape.name, mesh.points.len());
             assert_eq!(difference(&shape.meant, mesh, shape.roundness), None, "{what}");
-            let faults = check_joined(mesh, branches);
             assert!(faults.is_clean(), "{what}: {faults}");
+            assert_eq!((check_joined(mesh, branches).list.len(), differences.as_slice()), (0, &[][..]), "{what}");
             assert!(!check(mesh).is_clean(), "{what}: for one who does not know the surface, it branches");
+        }
+    }
+}
+
+#[test]
+fn a_line_where_sheets_meet_may_end_inside_one_of_them() {
+    let (_, outcomes) = shapes().iter().find(|one| one.0.name == "a plate standing within a plate").expect("a shape");
+    for Meshed { mesh, branches, faults, .. } in outcomes.iter().map(|outcome| &outcome.meshed) {
+        assert!(faults.is_clean(), "{faults}");
+        for tip in [DVec3::new(0.0, 0.25, 0.0), DVec3::new(0.0, 0.75, 0.0)] {
+            let at = mesh.points.iter().position(|&p| DVec3::from(p).distance(tip) < 1e-6).expect("a vertex is there");
+            assert!(branches[at], "sheets meet at the end of the line too");
+            let mut others = branches.clone();
+            others[at] = false;
+            assert!(!check_joined(mesh, &others).is_clean(), "the end is told where it is not known");
         }
     }
 }
@@ -130,7 +145,7 @@ fn meshes_branch_where_sheets_meet_and_nowhere_else() {
 #[test]
 fn another_way_to_branch_is_seen() {
     for (shape, outcomes) in shapes() {
-        let Outcome { mesh, branches, .. } = &outcomes[1];
+        let Meshed { mesh, branches, .. } = &outcomes[1].meshed;
         let branch = branches.iter().position(|&branches| branches).expect("they branch") as u32;
         // One face at a branch has a vertex of its own there; then it is gone.
         let at = mesh.faces().position(|face| face.contains(&branch)).expect("a face is at it");
@@ -150,7 +165,7 @@ fn another_way_to_branch_is_seen() {
         }
     }
     // Each has a way of its own.
-    let mesh = |name: &str| &shapes().iter().find(|(shape, _)| shape.name == name).expect("a shape").1[0].mesh;
+    let mesh = |name: &str| &shapes().iter().find(|(shape, _)| shape.name == name).expect("a shape").1[0].meshed.mesh;
     let [three, four] = ["three pages at a spine", "four pages at a spine"].map(mesh);
     for (angles, wanted) in [(&[0.0, 100.0, 220.0][..], [true, false]), (&[0.0, 80.0, 170.0, 260.0], [false, true])] {
         let found = [three, four].map(|mesh| difference(&shapes::book(angles), mesh, 0.0).is_none());
@@ -164,7 +179,7 @@ fn another_way_to_branch_is_seen() {
 #[test]
 fn meshes_of_sheets_lie_on_them() {
     for (shape, outcomes) in shapes() {
-        let Outcome { surface, mesh, .. } = &outcomes[0];
+        let Outcome { surface, meshed: Meshed { mesh, .. }, .. } = &outcomes[0];
         let triangles: Vec<_> =
             (0..shape.soup.triangles.len()).map(|t| unit_corners(&shape.soup, surface.frame(), t)).collect();
         let far = |p: [f64; 3]| {
@@ -197,9 +212,9 @@ fn triangles_may_look_any_way() {
             soup.triangles.iter_mut().zip(turned).filter(|(_, turned)| *turned).for_each(|(t, _)| t.swap(1, 2));
             let outcome = meshed(&soup, 200, &Cpu);
             let what = format!("{}, {name} turned over", shape.name);
-            assert_eq!(difference(&shape.meant, &outcome.mesh, shape.roundness), None, "{what}");
-            let faults = check_joined(&outcome.mesh, &outcome.branches);
-            assert!(faults.is_clean(), "{what}: {faults}");
+            let Meshed { mesh, faults, differences, .. } = &outcome.meshed;
+            assert_eq!(difference(&shape.meant, mesh, shape.roundness), None, "{what}");
+            assert!(faults.is_clean() && differences.is_empty(), "{what}: {faults} {differences:?}");
             // A seam that is paired in one way here and in another there has corners between.
             if name != "the second half" {
                 assert_eq!(features(&surface(&soup)), plain, "{what}");
@@ -214,8 +229,8 @@ fn meshes_of_sheets_are_the_same_on_the_gpu() {
     let backend = GpuBackend::new(gpu).unwrap_or_else(|error| panic!("{error}"));
     let cpu = shapes().iter().find(|(shape, _)| shape.name == "a disc in a tube").expect("a shape");
     let soup = &cpu.0.soup;
-    let mesh = meshed(soup, 200, &backend).mesh;
+    let mesh = meshed(soup, 200, &backend).meshed.mesh;
     assert_eq!(difference(soup, &mesh, cpu.0.roundness), None);
-    assert!(gpu.adapter().hardware || mesh == cpu.1[0].mesh);
-    assert_ne!(mesh, cpu.1[1].mesh);
+    assert!(gpu.adapter().hardware || mesh == cpu.1[0].meshed.mesh);
+    assert_ne!(mesh, cpu.1[1].meshed.mesh);
 }
