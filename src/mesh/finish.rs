@@ -63,9 +63,8 @@ pub fn finish(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic, triangulat
     Finished { mesh: joined, branches, faults, differences }
 }
 
-/// A mesh with its sheets joined, in model units, without regions.
+/// A mesh each of whose vertices has a face, with its sheets joined, in model units, without regions.
 pub(crate) fn joined(context: &Context, mesh: &SurfaceMesh, triangulation: &Triangulation) -> Mesh {
-    let mesh = mesh.compacted();
     let joints = triangulation.joints(mesh.vertices().iter().map(|vertex| vertex.origin));
     join(&mesh.to_mesh(), &joints).mesh.placed(context.surface.frame())
 }
