@@ -1,4 +1,4 @@
-//! The choice of where the heavy stages run.
+//! The choice of the backend of the heavy stages.
 
 use super::numbers::up_to;
 use anyhow::Context;
@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::gpu::{Gpu, GpuBackend, adapters};
 
-/// What the user asked for.
+/// The wanted backend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Choice {
     /// A hardware GPU where there is one, else the CPU
@@ -18,10 +18,10 @@ pub enum Choice {
     Gpu,
 }
 
-/// The arguments that say where the heavy stages run.
+/// The arguments of the backend.
 #[derive(Args)]
 pub struct Machine {
-    /// Where the heavy stages run
+    /// The backend of the heavy stages
     #[arg(long, value_enum, default_value_t, help_heading = "Machine")]
     backend: Choice,
     /// The GPU whose name contains this text (see `quadmosaic devices`)
@@ -33,7 +33,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Starts as many threads as were asked for.
+    /// Starts the wanted number of threads.
     ///
     /// # Errors
     /// Where they cannot be started.
@@ -44,7 +44,7 @@ impl Machine {
             .context("the threads cannot be started; ask for fewer with --threads")
     }
 
-    /// Opens the device that was asked for.
+    /// Opens the wanted device.
     ///
     /// # Errors
     /// As [`Device::open`].
@@ -53,14 +53,14 @@ impl Machine {
     }
 }
 
-/// What the heavy stages run on.
+/// The device of the heavy stages.
 pub enum Device {
     Cpu,
     Gpu(Gpu),
 }
 
 impl Device {
-    /// Opens what was asked for; naming an adapter asks for a GPU.
+    /// Opens the wanted device; the name of an adapter asks for a GPU.
     ///
     /// # Errors
     /// Where there is no such adapter, or it cannot be opened.

@@ -11,13 +11,13 @@ use quadmosaic::report::CheckReport;
 use quadmosaic::surface::Surface;
 use std::path::{Path, PathBuf};
 
-/// Checks and measures a polygon mesh, perhaps against the surface that it stands for
+/// Checks and measures a polygon mesh, alone or against the surface that it approximates
 ///
 /// Lists broken invariants with their places (vertices and faces are counted from 0): vertices without a face, edges with
-/// more than two faces, faces that are turned over, repeated, degenerate or concave. Against a surface also faces that look
-/// away from it, holes, vertices off it by more than an edge length, and other numbers of boundaries or parts; and it tells
-/// how far the two are from each other, and the surface's features from the mesh's edges. Where sheets of the surface meet,
-/// the mesh may branch. The exit code is 1 where anything is wrong.
+/// more than two faces, faces that are misoriented, repeated, degenerate or concave. Against a surface it also lists inverted
+/// faces, holes, vertices farther from it than an edge length, and differences of topology; it measures the distances of the
+/// two from each other, and of the surface's features from the mesh's edges. The mesh may branch where sheets of the surface
+/// meet. The exit code is 1 where there is a fault or a difference.
 #[derive(Args)]
 #[command(after_help = EXAMPLES, mut_group("FeatureArguments", |features| features.requires("against")))]
 pub struct Arguments {
@@ -29,7 +29,7 @@ pub struct Arguments {
     against: Option<Input>,
     #[command(flatten)]
     features: FeatureArguments,
-    /// Write what is printed, and every fault, as JSON
+    /// Write the printed figures, and every fault, as JSON
     #[arg(long, value_name = "FILE.json", value_parser = file_path)]
     report: Option<PathBuf>,
 }

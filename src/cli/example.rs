@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// square with a round hole; block: a box with a bore.
 #[derive(Args)]
 pub struct Arguments {
-    /// Which one: m6, torus, sphere, plate or block
+    /// The example: m6, torus, sphere, plate or block
     #[arg(value_parser = <Example as std::str::FromStr>::from_str)]
     example: Example,
     /// About how many triangles
@@ -28,7 +28,7 @@ pub struct Arguments {
     /// m6 only: both halves, closed (default: one half, open at the root)
     #[arg(long)]
     whole_span: bool,
-    /// Where the triangles go
+    /// The file of the triangles
     #[arg(short, long, value_name = "FILE.obj", value_parser = obj_path)]
     output: PathBuf,
 }

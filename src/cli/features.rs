@@ -1,4 +1,4 @@
-//! What counts as a feature: arguments of all commands that read a surface for its features.
+//! Features: arguments of all commands that need the features of a surface.
 
 use super::numbers::degrees;
 use clap::Args;
@@ -10,23 +10,22 @@ pub struct FeatureArguments {
     /// Dihedral angle in degrees (1 to 180) over which an edge of the surface is a crease that the mesh keeps; 180: none is
     #[arg(long, value_name = "ANGLE", default_value_t = 40.0, value_parser = degrees::<180>, help_heading = "Features")]
     crease: f64,
-    /// Treat the borders of regions (OBJ groups, STL solids) as if they were not there; faces that are made have the names of
-    /// their regions all the same
+    /// Ignore the borders of regions (OBJ groups, STL solids); the faces of the mesh still have the names of their regions
     #[arg(long, help_heading = "Features")]
     ignore_regions: bool,
-    /// Edges to keep whatever their angle, from a file: on each line two vertex numbers of the surface, counted from 1, or two
+    /// Edges to keep at any angle, from a file: on each line two vertex numbers of the surface, counted from 1, or two
     /// points (X,Y,Z,X,Y,Z); a straight line of edges may be named by its ends
     #[arg(long, value_name = "FILE", help_heading = "Features")]
     feature_edges: Vec<PathBuf>,
 }
 
 impl FeatureArguments {
-    /// What counts as a feature by itself.
+    /// The options of features.
     pub fn options(&self) -> FeatureOptions {
         FeatureOptions { crease: self.crease, region_borders: !self.ignore_regions, ..FeatureOptions::default() }
     }
 
-    /// The edges that are features whatever their angle.
+    /// The edges that are features at any angle.
     ///
     /// # Errors
     /// Where a file of edges cannot be read.

@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// Where the field goes
+    /// The file of the field
     #[arg(short, long, value_name = "FIELD.vtk|ply", value_parser = field_path)]
     output: PathBuf,
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub struct Arguments {
     directions: FieldArguments,
     #[command(flatten)]
     machine: Machine,
-    /// Write what is printed, and more, as JSON
+    /// Write the printed figures, and more, as JSON
     #[arg(long, value_name = "FILE.json", value_parser = file_path)]
     report: Option<PathBuf>,
     /// Print warnings and errors only

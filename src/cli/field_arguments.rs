@@ -15,8 +15,8 @@ pub struct FieldArguments {
     /// a row, as on the nose of a wing; 180: none does
     #[arg(long, value_name = "ANGLE", default_value_t = 60.0, value_parser = degrees::<180>, help_heading = "Rows")]
     ridge: f64,
-    /// A guide: rows run along DX,DY,DZ near the point X,Y,Z, and within the distance R of it; exactly, or, where a weight W is
-    /// given, drawn so strongly: 1 about as much as by the surroundings, 10 nearly all the way. May be given many times
+    /// A guide: rows run along DX,DY,DZ near the point X,Y,Z, within the distance R. Without a weight W they do so exactly; a
+    /// weight of 1 is about as strong as the surroundings, 10 nearly exact. May be given many times
     #[arg(long = "guide", value_name = "X,Y,Z,DX,DY,DZ[,R[,W]]", allow_hyphen_values = true, help_heading = "Rows")]
     guides: Vec<Guide>,
     /// Guides from a file: CSV, one a line, the columns as for --guide or named by a header (x, y, z, dx, dy, dz, radius,
@@ -31,12 +31,12 @@ pub struct FieldArguments {
 }
 
 impl FieldArguments {
-    /// What counts as a feature.
+    /// The options of features.
     pub fn features(&self) -> FeatureOptions {
         FeatureOptions { ridge: self.ridge, ..self.features.options() }
     }
 
-    /// The edges that are features whatever their angle.
+    /// The edges that are features at any angle.
     ///
     /// # Errors
     /// Where a file of edges cannot be read.
@@ -44,7 +44,7 @@ impl FieldArguments {
         self.features.edges()
     }
 
-    /// What draws the field beside features.
+    /// The constraints of the field beside features.
     ///
     /// # Errors
     /// Where a file of guides cannot be read.
@@ -58,7 +58,7 @@ impl FieldArguments {
     }
 }
 
-/// Warns of guides without, or without the whole, effect.
+/// Warns of guides without full effect.
 pub fn warn_of(guides: &[GuideReport]) {
     for guide in guides {
         if let Some(trouble) = &guide.trouble {

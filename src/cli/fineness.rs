@@ -1,4 +1,4 @@
-//! How fine the mesh is to be: arguments that `mesh` and `field` share.
+//! The fineness of the mesh: arguments that `mesh`, `field` and `mosaic` share.
 
 use super::numbers::{degrees, number, points, positive};
 use clap::Args;
@@ -36,7 +36,7 @@ pub struct FinenessArguments {
 }
 
 impl FinenessArguments {
-    /// The default where nothing is asked for.
+    /// The wanted fineness; 6,000 vertices by default.
     pub fn fineness(&self) -> Fineness {
         match (self.points, self.size) {
             (_, Some(size)) => Fineness::Size(size),
@@ -45,7 +45,7 @@ impl FinenessArguments {
         }
     }
 
-    /// Where edges are to be shorter or longer than elsewhere.
+    /// The wanted sizes of edges.
     ///
     /// # Errors
     /// Where the file of sizes cannot be read.

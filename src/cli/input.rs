@@ -1,4 +1,4 @@
-//! What is meshed: a file, standard input, or an example surface by name.
+//! The input: a file, standard input, or an example surface by name.
 
 use clap::{Args, CommandFactory, error::ErrorKind};
 use quadmosaic::mesh::{Mesh, read_mesh_as};
@@ -11,7 +11,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// How many triangles an example can be asked for.
+/// The numbers of triangles that an example can be asked for.
 pub const TRIANGLES: RangeInclusive<usize> = 1..=20_000_000;
 
 /// The arguments that name a surface.
@@ -35,7 +35,7 @@ impl Source {
         self.input.read(self.format)
     }
 
-    /// The same with polygons as they are in a file; from elsewhere all are triangles.
+    /// The faces of a mesh; of standard input and examples, the triangles.
     ///
     /// # Errors
     /// As [`Source::read`].
@@ -61,7 +61,7 @@ impl fmt::Display for Source {
     }
 }
 
-/// Where a surface comes from.
+/// The source of a surface.
 #[derive(Clone, Debug)]
 pub enum Input {
     File(PathBuf),
@@ -86,7 +86,7 @@ impl Input {
         })
     }
 
-    /// How names of files about it may begin.
+    /// A beginning for the names of files about it.
     pub fn stem(&self) -> String {
         let name = match self {
             Self::File(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),

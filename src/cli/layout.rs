@@ -1,4 +1,4 @@
-//! How rows are laid: arguments that `mesh`, `mosaic`, `picture` and `study` share.
+//! The layout of rows: arguments that `mesh`, `mosaic`, `picture` and `study` share.
 
 use super::numbers::number;
 use super::summary;
@@ -11,7 +11,8 @@ pub struct LayoutArguments {
     /// Whether rows of tiles may end inside the surface
     #[arg(long = "rows", value_name = "KIND", default_value = "paper", help_heading = "Rows")]
     row_ends: RowEnds,
-    /// How far the sides of tiles follow the field so that fewer rows end, from 0 (equal tiles, or the asked sizes) to 1
+    /// The degree to which the sides of tiles follow the field so that fewer rows end, from 0 (equal tiles, or the wanted sizes)
+    /// to 1
     #[arg(long, value_name = "DIAL", default_value_t = 0.0, value_parser = dial, help_heading = "Rows")]
     pub fit: f64,
     /// The largest side over the mean one, and the mean over the smallest, that --fit may ask for
@@ -26,10 +27,10 @@ pub struct LayoutArguments {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum RowEnds {
-    /// They end where equal tiles, or the asked sizes, need it
+    /// They end where equal tiles, or the wanted sizes, need it
     #[default]
     Paper,
-    /// They pass over the whole surface but for singularities of the field, and sizes give way: few irregular vertices
+    /// They end nowhere but at singularities of the field, and sizes vary: few irregular vertices
     Continuous,
 }
 
@@ -43,7 +44,7 @@ impl LayoutArguments {
     }
 }
 
-/// Says where tiles are not as long as was asked for.
+/// Warns where tiles do not have the wanted aspect.
 pub fn warn_of_stretch(stretch: Option<&StretchReport>) {
     let Some(&StretchReport { aspect, odd_singularities, nearly_square, unguided }) = stretch else { return };
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);

@@ -26,13 +26,13 @@ use std::time::{Duration, Instant};
 /// Meshes a triangle surface
 ///
 /// Reads a triangle surface, lays square tiles on it in rows that follow its features and your guides, and connects their
-/// centres to a mesh of quads and a few triangles. Prints what was read, what was made, and how good it is.
+/// centres to a mesh of quads and a few triangles. Compares the mesh with the surface. Prints measures of both.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// Where the mesh goes; there is either a whole mesh or no file
+    /// The file of the mesh; it is written whole or not at all
     #[arg(short, long, value_name = "OUT.obj", value_parser = obj_path)]
     output: PathBuf,
 
@@ -53,20 +53,20 @@ pub struct Arguments {
         help_heading = "Connection"
     )]
     max_angle: f64,
-    /// What becomes of faces with more than four sides
+    /// How faces with more than four sides are filled
     #[arg(long, value_enum, default_value_t, help_heading = "Connection")]
     holes: Holes,
-    /// Which triangles become quads
+    /// The triangles that become quads
     #[arg(long, value_enum, default_value_t, help_heading = "Connection")]
     quads: Quads,
-    /// Leave the mesh as the filling of holes makes it, with its triangles
+    /// Do not optimise the connectivity: keep the triangles of the filling
     #[arg(long, conflicts_with = "quads", help_heading = "Connection")]
     no_cleanup: bool,
-    /// Write no file, and end with exit code 3, where the mesh has a fault or other parts, boundaries or handles than the
-    /// surface; without it that is a warning
+    /// Exit with code 3 and write no file where the mesh has a fault, or differs from the surface in its Euler characteristic,
+    /// boundary loops or components, or lacks a part of it; without this option that is a warning
     #[arg(long, help_heading = "Connection")]
     strict: bool,
-    /// Passes of smoothing at the end, 0 to 1000
+    /// Passes of vertex relocation, 0 to 1000; 0: vertices stay at the centres of tiles
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
     smoothing: usize,
 
@@ -79,7 +79,7 @@ pub struct Arguments {
     /// Draw the mesh, as `quadmosaic picture` does
     #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
     picture: Option<PathBuf>,
-    /// Write what is printed, and more, as JSON
+    /// Write the printed figures, and more, as JSON
     #[arg(long, value_name = "FILE.json", value_parser = file_path)]
     report: Option<PathBuf>,
     /// Print warnings and errors only
@@ -109,7 +109,7 @@ enum Holes {
 enum Quads {
     /// Those that the paper's clean-up finds
     Paper,
-    /// As many as shape allows: triangles walk until they meet, short rows come and go
+    /// Those whose change improves the mesh: triangles move until they meet, short rows are inserted or removed
     #[default]
     Most,
     /// All, at some cost of shape
@@ -166,7 +166,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Tells what the mesh has or lacks that a reader of the file may not expect.
+/// Warns of repairs that show in the mesh: sheets that meet, and parts that are left out.
 fn warn_of_repairs(repairs: &Repairs) {
     if let Some(place) = repairs.joined_edges.at.first() {
         let edges = summary::counted(repairs.joined_edges.count, "edge");
@@ -184,7 +184,7 @@ fn warn_of_repairs(repairs: &Repairs) {
     }
 }
 
-/// A count is told to be wrong where it misses by more than this share.
+/// A number of vertices that misses the wanted one by a larger share is a warning.
 const COUNT_TOLERANCE: f64 = 0.05;
 
 fn count_warning(report: &Report) -> Option<String> {
@@ -200,7 +200,7 @@ fn count_warning(report: &Report) -> Option<String> {
 }
 
 impl Arguments {
-    /// Before long work: that what it makes can be kept.
+    /// Checks, before long work, that the results can be written.
     fn expect_writable(&self) -> anyhow::Result<()> {
         let mut taken: Vec<&Path> = self.source.path().into_iter().collect();
         for path in [&self.output].into_iter().chain(&self.picture).chain(&self.report) {
@@ -241,7 +241,7 @@ impl Arguments {
     }
 }
 
-/// The mesh is not what the surface asks for, and only that was wanted.
+/// The mesh has a fault or differs from the surface, with `--strict`.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Unsound(String);
@@ -252,7 +252,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     (done, start.elapsed())
 }
 
-/// A bar on stderr, hidden where that is no terminal.
+/// A progress bar on stderr, hidden where that is no terminal.
 struct Progress {
     bar: ProgressBar,
 }

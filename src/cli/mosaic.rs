@@ -19,14 +19,14 @@ use std::path::{Path, PathBuf};
 /// Writes the tiles that a mesh would be made of, as squares laid on the surface
 ///
 /// With the same options these are the tiles of `mesh`. OBJ: a face a tile; on features, a face for each side. PLY: the same,
-/// coloured by how well the tiles sit (`quality`: 1 where a tile's neighbours are at their places, 0 where half a tile off).
-/// Prints which share of the area is under tiles, which under two, and how straight the rows are.
+/// coloured by the fit of each tile (`quality`: 1 where its neighbours are at their places, 0 where they are half a tile off).
+/// Prints the share of the area under tiles, the share under two tiles, and the straightness of the rows.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// Where the tiles go
+    /// The file of the tiles
     #[arg(short, long, value_name = "TILES.obj|ply", value_parser = tiles_path)]
     output: PathBuf,
     /// The share of a tile's side that is left free between it and the next, 0 to 0.9
@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Draw the tiles, as `quadmosaic picture --mosaic` does
     #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
     picture: Option<PathBuf>,
-    /// Write what is printed, and more, as JSON
+    /// Write the printed figures, and more, as JSON
     #[arg(long, value_name = "FILE.json", value_parser = file_path)]
     report: Option<PathBuf>,
     /// Print warnings and errors only

@@ -1,4 +1,4 @@
-//! Numbers as arguments, each kind with its range and its refusal.
+//! Parsers of numbers in arguments, with their ranges and error messages.
 
 use quadmosaic::pipeline::POINTS;
 use std::ops::RangeInclusive;

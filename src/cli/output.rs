@@ -1,4 +1,4 @@
-//! Where files go, and what is printed.
+//! Output: files and the standard output.
 
 use anyhow::{Context, bail};
 use quadmosaic::export::atomic;
@@ -33,7 +33,7 @@ fn ends_in(text: &str, endings: &[&str], refusal: &str) -> Result<PathBuf, Strin
     if known { Ok(path) } else { Err(refusal.to_owned()) }
 }
 
-/// A path; `-`, which is standard output for other programs, is refused and would otherwise be a file's odd name.
+/// A path; `-` is refused, as it means standard output in other programs.
 pub fn file_path(text: &str) -> Result<PathBuf, String> {
     match text {
         "-" => Err("results go to files, not to standard output; name a file".to_owned()),
@@ -53,10 +53,10 @@ pub fn write_json(path: &Path, figures: &impl Serialize) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Makes sure, before long work, that a file can be written there, and that it is none of the files that are `taken`.
+/// Checks, before long work, that a file can be written at a path, and that it is none of the `taken` files.
 ///
 /// # Errors
-/// Where it cannot; the folder is left as it was.
+/// Where it cannot; the folder stays as it is.
 pub fn expect_writable(path: &Path, taken: &[&Path]) -> anyhow::Result<()> {
     let shown = path.display();
     if path.is_dir() {
@@ -78,7 +78,7 @@ pub fn expect_writable(path: &Path, taken: &[&Path]) -> anyhow::Result<()> {
         .with_context(|| format!("{shown} cannot be written, its folder takes no new file"))
 }
 
-/// The path without links and dots; of the file itself, only the folder needs to exist.
+/// The path without links and dots. The folder must exist, the file need not.
 fn absolute(path: &Path) -> io::Result<PathBuf> {
     fs::canonicalize(path).or_else(|missing| {
         let name = path.file_name().ok_or(missing)?;
@@ -87,7 +87,7 @@ fn absolute(path: &Path) -> io::Result<PathBuf> {
     })
 }
 
-/// Prints to stdout. Whoever closes the pipe early (`| head`) has read enough.
+/// Prints to stdout. A pipe that is closed early (`| head`) is no error.
 ///
 /// # Errors
 /// Where stdout cannot be written for another reason.

@@ -16,20 +16,20 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// The size of a picture that is not asked for: width and height, in pixels.
+/// The default size of a picture: width and height, in pixels.
 pub const SIZE: [u32; 2] = [1600, 1200];
 
 /// Draws a surface or a mesh, or the field or the mosaic of a surface
 ///
 /// Needs neither a display nor a GPU. A mesh of quads is drawn with its quads pale, triangles orange and larger faces violet; a
-/// surface of triangles smooth, with creases and boundaries heavier. --field and --mosaic draw what `mesh` would follow and
-/// lay, with the same options.
+/// surface of triangles smooth, with creases and boundaries heavier. --field and --mosaic draw the field and the tiles of `mesh`
+/// with the same options.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// Where the picture goes
+    /// The file of the picture
     #[arg(short, long, value_name = "PIC.png|svg", value_parser = picture_path)]
     output: PathBuf,
 
@@ -50,14 +50,14 @@ pub struct Arguments {
     /// With --mosaic: the share of a tile's side between it and the next, 0 to 0.9
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = grout, requires = "mosaic", help_heading = "What")]
     grout: f64,
-    /// What colours tell: of a mesh's faces, or, with --mosaic, of tiles
+    /// The meaning of colours, of a mesh's faces or, with --mosaic, of tiles
     #[arg(long, visible_alias = "color", value_enum, default_value_t, help_heading = "What")]
     colour: Colours,
     /// With --field and --mosaic: number of vertices wanted
     #[arg(long, value_name = "N", default_value_t = 6000, value_parser = points, help_heading = "What")]
     points: usize,
 
-    /// From where: three-quarter, front, back, left, right, top, bottom (z is up), or X,Y,Z, the direction to the eye
+    /// The view: three-quarter, front, back, left, right, top, bottom (z is up), or X,Y,Z, the direction to the eye
     #[arg(
         long,
         value_name = "VIEW",
@@ -104,7 +104,7 @@ enum Colours {
     /// The number of sides of a face
     #[default]
     Sides,
-    /// Its shape; of a tile, how well it sits
+    /// Its shape; of a tile, its fit
     Quality,
 }
 

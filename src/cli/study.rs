@@ -18,16 +18,16 @@ use std::path::PathBuf;
 /// Meshes surfaces by many angles and distances, as the paper's section 4 does, and draws charts
 ///
 /// For each surface and number of points one mosaic is made and connected many times: by each theta with L = 1.6, and by each L
-/// with theta = 30. Meshes are measured before clean-up, after the paper's clean-up (`mesh --quads paper`), and as `mesh` leaves them. The folder gets
-/// study.csv and study.json (a row each), charts of Qr, Qg, Tg and irregular vertices (SVG), pictures of mosaics and
-/// meshes, and study.html, which shows them all. Interrupted, and called again, it goes on.
+/// with theta = 30. Meshes are measured before clean-up, after the paper's clean-up (`mesh --quads paper`), and as `mesh` writes
+/// them. The folder gets study.csv and study.json (a row for each mesh), charts of Qr, Qg, Tg and irregular vertices (SVG),
+/// pictures of mosaics and meshes, and study.html, which shows them all. An interrupted study goes on when it is called again.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// The surfaces: files, or examples (example:m6)
     #[arg(value_name = "SURFACE", required = true)]
     surfaces: Vec<Input>,
-    /// The folder that results go to; it is made where it is missing
+    /// The folder of the results; it is created where it is missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Numbers of vertices
@@ -94,7 +94,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         print(&summary(&table))?;
         print(&format!("{} shows it all\n", output.join("study.html").display()))?;
     }
-    // The same guide says the same of many meshes.
+    // A guide has the same warning for many meshes.
     let mut warnings: Vec<String> = Vec::new();
     for row in &table.rows {
         for warning in row.warnings.iter().map(|told| format!("{}: {told}", row.surface)) {
@@ -135,7 +135,7 @@ fn subjects(surfaces: &[Input]) -> anyhow::Result<Vec<Subject>> {
     for input in surfaces {
         let name = input.to_string();
         ensure!(!subjects.iter().any(|other| other.name == name), "{name} is given twice; name each surface once");
-        // Two files of one name in two folders.
+        // Files in two folders may have the same name.
         let plain = input.stem();
         let taken = |stem: &str| subjects.iter().any(|other| other.stem == stem);
         let mut stem = plain.clone();
@@ -150,7 +150,7 @@ fn subjects(surfaces: &[Input]) -> anyhow::Result<Vec<Subject>> {
     Ok(subjects)
 }
 
-/// A line for each mosaic, by the default constraints, and how far the share of quads goes over all of them.
+/// A line for each mosaic with the default constraints, and the range of Qr over all constraints.
 fn summary(table: &Table) -> String {
     let usual = ConnectOptions::default();
     let of_usual = |row: &&study::Row| row.max_angle == usual.max_angle && row.max_distance == usual.max_distance;

@@ -1,4 +1,4 @@
-//! Figures for a person: a name and what there is to say, a line each.
+//! Figures for people: a name and its values on each line.
 
 use quadmosaic::mesh::compare::{Comparison, Difference, Farthest, FeatureDistance};
 use quadmosaic::mesh::connectivity::EditCounts;
@@ -6,7 +6,7 @@ use quadmosaic::mesh::quality::{Quality, Spread};
 use quadmosaic::report::{Against, Asked, CheckReport, FieldFigures, FieldReport, Input, MosaicReport, Report};
 use quadmosaic::surface::{Repairs, shown};
 
-/// All of a run.
+/// The figures of a run.
 pub fn of_run(report: &Report) -> String {
     let Report { surface: input, mesh, before, mosaic, backend, .. } = report;
     let holes = format!("{} in the connected mosaic, {} left", mosaic.holes, mesh.polygons);
@@ -31,7 +31,7 @@ pub fn of_run(report: &Report) -> String {
     ])
 }
 
-/// A field alone.
+/// The figures of a field.
 pub fn of_field(report: &FieldReport) -> String {
     let FieldReport { surface: input, field: figures, backend, .. } = report;
     lines(&[
@@ -43,7 +43,7 @@ pub fn of_field(report: &FieldReport) -> String {
     ])
 }
 
-/// A mosaic alone.
+/// The figures of a mosaic.
 pub fn of_mosaic(report: &MosaicReport) -> String {
     let MosaicReport { surface: input, field: figures, backend, fit, .. } = report;
     lines(&[
@@ -59,7 +59,7 @@ pub fn of_mosaic(report: &MosaicReport) -> String {
     ])
 }
 
-/// A mesh, alone or against a surface.
+/// The figures of a mesh, alone or against a surface.
 pub fn of_check(report: &CheckReport) -> String {
     let mut entries = report.mesh.as_ref().map(measures).unwrap_or_default();
     entries.push(("check", report.faults.to_string()));
@@ -107,11 +107,11 @@ fn compared(comparison: &Comparison) -> Vec<(&'static str, String)> {
     entries
 }
 
-/// What is wrong with a mesh, in a sentence.
+/// The faults and differences of a checked mesh, in a sentence.
 pub fn faults_of(report: &CheckReport) -> Option<String> {
     let differences = report.differences();
     if let Some(size @ Difference::Size { .. }) = differences.first() {
-        // All else follows from it.
+        // The other differences follow from it.
         return Some(size.to_string());
     }
     let faults = Some(report.faults.list.len()).filter(|count| *count > 0).map(|count| counted(count, "fault"));
@@ -224,14 +224,14 @@ fn edits(counts: EditCounts) -> String {
     said.join(", ")
 }
 
-/// What the check of a run looked at, and what it found.
+/// The result of a run's check.
 fn checked(report: &Report) -> String {
     let found: String = report.faults.to_string().lines().take(1).collect();
     let other = if report.differences.is_empty() { "as the surface" } else { "other than the surface" };
     format!("{found}; {other}")
 }
 
-/// What is wrong with the mesh of a run, with places.
+/// The differences and faults of the mesh of a run, with places.
 pub fn wrong(report: &Report) -> Option<String> {
     let faults = (!report.faults.is_clean()).then(|| report.faults.to_string());
     let said: Vec<String> = report.differences.iter().map(ToString::to_string).chain(faults).collect();

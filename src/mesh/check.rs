@@ -36,7 +36,7 @@ pub enum Kind {
     ConcaveQuad { face: u32 },
     /// The face is inverted: its normal points against the nearest sheet of the surface.
     FlippedFace { face: u32 },
-    /// A boundary loop of so many sides, the first at this vertex, is no boundary of the surface.
+    /// A boundary loop of the mesh is no boundary of the surface: its first vertex, and the number of its sides.
     Hole { vertex: u32, sides: u32 },
     /// The vertex is more than one mean edge length from the surface; the distance is in mean edge lengths.
     StrayVertex { vertex: u32, distance: f64 },

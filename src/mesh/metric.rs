@@ -125,7 +125,7 @@ mod tests {
         let map = metric(0).map_of(&[0, 1, 2, 3]);
         assert!((shape(map.as_ref(), [4.0, 1.0]) - 1.0).abs() < 1e-12);
         assert!(shape(map.as_ref(), [1.0, 1.0]) < 0.5, "a square is four times too wide");
-        assert!(shape(map.as_ref(), [1.0, 4.0]) < 0.2, "and the rectangle to_metric across is worse");
+        assert!(shape(map.as_ref(), [1.0, 4.0]) < 0.2, "and the rectangle laid across is worse");
         assert!(shape(None, [4.0, 1.0]) < 0.5);
         let place = DVec3::new(0.3, -0.7, 2.0);
         assert!(from_metric(map.as_ref(), to_metric(map.as_ref(), place)).distance(place) < 1e-12);

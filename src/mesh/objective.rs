@@ -138,7 +138,7 @@ impl Measure {
         let keeps = |before: &Self| {
             !before.is_fault && before.normal.dot(normal) > TURN_COSINE * (before.normal.length() * normal.length())
         };
-        let is_fault = shape < DEGENERATE || !(before.is_some_and(keeps) || !inverted());
+        let is_fault = shape < DEGENERATE || (!before.is_some_and(keeps) && inverted());
         Self { shape, is_fault, normal, corners: corners.len() as u8 }
     }
 

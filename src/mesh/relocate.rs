@@ -4,7 +4,7 @@
 //! Each face has a best-fitting regular polygon about its centre. Shape matching moves a vertex towards the mean of its
 //! corners in the polygons of its faces. Where a face is poor, a pattern search follows: the vertex tries displacements in
 //! several directions, of decreasing lengths. A free vertex moves over the surface, a vertex on a feature curve moves along it
-//! between its neighbours on the curve, and a corner stays. A move is made where the [objective](super::objective) of the faces
+//! between its neighbours on the curve, and a corner stays. A move is made where the objective of the faces
 //! and feature edges at the vertex improves.
 //!
 //! Vertices that share no face move at the same time: a greedy colouring in the order of the vertices gives the sets, so the

@@ -133,12 +133,12 @@ impl SurfaceMesh {
         self.faces.count()
     }
 
-    /// The vertices of a face in order; empty where the face is gone.
+    /// The vertices of a face in order; empty where the face is removed.
     pub(crate) fn face(&self, face: u32) -> &[u32] {
         self.faces.get(face)
     }
 
-    /// The faces that are not gone.
+    /// The faces that are not removed.
     pub fn faces(&self) -> impl Iterator<Item = &[u32]> + Clone {
         self.faces.iter().filter(|face| !face.is_empty())
     }

@@ -294,8 +294,8 @@ impl<'a> Edit<'a> {
 
     /// The number of vertices added, less those left without a face.
     pub(crate) fn growth(&self) -> i64 {
-        let gone = self.touched().into_iter().filter(|v| self.around(*v).next().is_none()).count();
-        self.change.vertices.len() as i64 - gone as i64
+        let removed = self.touched().into_iter().filter(|v| self.around(*v).next().is_none()).count();
+        self.change.vertices.len() as i64 - removed as i64
     }
 
     /// Whether the edit keeps the mesh a manifold of the same topology. The faces at each touched vertex form one fan, of at

@@ -1,7 +1,7 @@
 //! Connectivity optimisation: one engine makes all local edits of faces.
 //!
 //! # Theory
-//! An [operation](operations) proposes edits about a face. The [objective](super::objective) evaluates an edit after the vertices
+//! An operation proposes edits about a face. The objective of the mesh evaluates an edit after the vertices
 //! near it have relaxed: fewer faults come first, then less loss. Edits are made in rounds. Each face that an operation concerns
 //! finds its best edit; the edits are evaluated again and made in the order of their gains; the faces near a change are
 //! visited again in the next round.
@@ -156,9 +156,9 @@ impl EditCounts {
 
 /// The most rounds. An edit near another one of the same round waits for the next.
 const ROUNDS: usize = 12;
-/// The number of vertices may differ from the wanted number by one in so many, ...
+/// The number of vertices may differ from the wanted number by one for each of these vertices, ...
 const VERTICES_PER_EXCESS: i64 = 150;
-/// ... and on small meshes by so many.
+/// ... and on small meshes by this number.
 const LEAST_EXCESS: i64 = 2;
 /// The price of a triangle with [`Quads::All`].
 const ALL_PRICE: f64 = 3.0;
@@ -404,10 +404,10 @@ impl<'a> Engine<'a> {
         let edit = Edit::with(self.mesh, change.clone());
         let mut touched = edit.touched();
         touched.extend(targets.iter().map(|&(v, _)| v));
-        let gone: Vec<u32> = edit.changed().map(|(face, _)| face).filter(|face| *face < NEW).collect();
+        let removed: Vec<u32> = edit.changed().map(|(face, _)| face).filter(|face| *face < NEW).collect();
         let added = change.make(self.mesh, self.surface(), targets);
         touched.iter_mut().filter(|v| **v >= NEW).for_each(|v| *v = *v - NEW + first_vertex);
-        let mut faces: Vec<u32> = touched.iter().flat_map(|&v| self.mesh.around(v)).copied().chain(gone).collect();
+        let mut faces: Vec<u32> = touched.iter().flat_map(|&v| self.mesh.around(v)).copied().chain(removed).collect();
         faces.sort_unstable();
         faces.dedup();
         self.measures.resize_with(self.mesh.face_bound(), || Measure::of(&[], None, None, || false));

@@ -11,7 +11,7 @@ use crate::mesh::relocate::regular;
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// The patch has so many rings of faces about the changed faces; vertices inside it move.
+/// The number of rings of faces about the changed faces in the patch; vertices inside it move.
 const RINGS: usize = 2;
 /// Sweeps over the vertices.
 const SWEEPS: usize = 6;
@@ -40,8 +40,8 @@ pub(crate) fn relaxed(context: &Context, edit: &Edit, known: &[Measure], price: 
     let mut patch = Patch::about(edit);
     (0..SWEEPS).for_each(|_| patch.sweep());
 
-    let gone = || edit.changed().filter(|(_, corners)| corners.is_empty()).map(|(face, _)| face);
-    let old = gone().chain(patch.faces.iter().copied()).filter(|&face| !edit.before(face).is_empty());
+    let removed = || edit.changed().filter(|(_, corners)| corners.is_empty()).map(|(face, _)| face);
+    let old = removed().chain(patch.faces.iter().copied()).filter(|&face| !edit.before(face).is_empty());
     let old: Vec<&Measure> = old.map(|face| &known[face as usize]).collect();
     let new: Vec<Measure> = (0..patch.corners.len()).map(|f| patch.measure(context, known, f)).collect();
     let least =
@@ -51,7 +51,7 @@ pub(crate) fn relaxed(context: &Context, edit: &Edit, known: &[Measure], price: 
         after: new.iter().map(|measure| measure.score(price)).sum(),
         least_before: least(&mut old.into_iter()),
         least_after: least(&mut new.iter()),
-        neighbourhood: gone().chain(patch.faces[..patch.first_ring].iter().copied()).collect(),
+        neighbourhood: removed().chain(patch.faces[..patch.first_ring].iter().copied()).collect(),
         targets: patch.free.iter().map(|&v| (patch.vertices[v], patch.points[v])).collect(),
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! # Theory
 //! After Sharp, Soliman and Crane 2019, *Navigating intrinsic triangulations*: edges are geodesics of the surface, given
-//! by their lengths, and each half-edge has its direction at its origin. Flips are exact, whatever the shape in space: a thin
+//! by their lengths, and each half-edge has its direction at its origin. Flips are exact for any shape in space: a thin
 //! trailing edge and a strongly curved nose are intrinsically flat.
 //!
 //! # Practice
@@ -27,7 +27,7 @@ pub(crate) struct Intrinsic {
     pub end: Vec<f64>,
     /// The curve of each half-edge on a feature, [`NONE`] off features. Those on features are never flipped.
     pub curve: Vec<u32>,
-    /// A half-edge that leaves each vertex; [`NONE`] where the vertex is gone.
+    /// A half-edge that leaves each vertex; [`NONE`] where the vertex is removed.
     pub leaving: Vec<u32>,
 }
 

@@ -67,11 +67,11 @@ impl Intrinsic {
             if c == d || shared != 2 || count < 3 || (self.on_boundary(v) && self.on_boundary(x)) {
                 return false;
             }
-            // With three faces the one that is left must not be there already on its far side.
+            // Of three faces one stays: there must be no face on its far side with the same vertices.
             let far = self.twin[next(fan.spokes[1]) as usize];
             count > 3 || far == NONE || self.origin[previous(far) as usize] != x
         } else {
-            // A lone triangle stays.
+            // A single triangle stays.
             shared == 1 && (count > 1 || self.twin[next(fan.spokes[0]) as usize] != NONE)
         }
     }
@@ -112,7 +112,7 @@ impl Intrinsic {
         places
     }
 
-    /// Rewrites the faces round `v` as faces round `x`; the one or two that hold both vanish.
+    /// Collapses `v` into `x`: the faces round `v` become faces round `x`, and the one or two with both are removed.
     fn collapse(&mut self, fan: &Fan) {
         let Fan { spokes, around, closed } = fan;
         let (x, count) = (around[0], spokes.len());
@@ -146,7 +146,7 @@ impl Intrinsic {
             self.leaving[x as usize] = spokes[i];
         }
         if stay.is_empty() {
-            // An ear: the edge beyond it is the boundary now.
+            // A single face on the boundary: the edge across it becomes the boundary.
             self.twin[near.0 as usize] = NONE;
             self.curve[near.0 as usize] = self.curve[spokes[0] as usize];
             self.leaving[x as usize] = next(near.0);
@@ -165,7 +165,7 @@ impl Intrinsic {
         self.leaving[v as usize] = NONE;
     }
 
-    /// The half-edge beyond a side that is about to coincide with a spoke, and the curve of either.
+    /// The half-edge across a side that will coincide with a spoke, and the curve of either.
     fn side_beyond(&self, side: u32, spoke: u32) -> (u32, u32) {
         let curve = [side, spoke].map(|h| self.curve[h as usize]).into_iter().find(|&curve| curve != NONE);
         (self.twin[side as usize], curve.unwrap_or(NONE))
@@ -179,7 +179,7 @@ impl Intrinsic {
         }
     }
 
-    /// At the neighbours that get an edge to `x` in place of that to `v`, its direction.
+    /// Sets the directions of the edges to `x` at the neighbours whose edges to `v` they replace.
     fn turn_towards(&mut self, fan: &Fan, places: &[f64], to_v: &[f64], to_x: &[f64]) {
         let last = if fan.closed { fan.spokes.len() - 1 } else { fan.spokes.len() };
         for i in 2..last {
@@ -194,7 +194,7 @@ impl Intrinsic {
         }
     }
 
-    /// At `x`, the directions of the vanishing corners go to the faces that come, by their angles.
+    /// At `x`, distributes the directions of the removed corners over the new faces, by their angles.
     fn share_directions(&mut self, fan: &Fan, to_x: &[f64]) {
         let Fan { spokes, around, closed } = fan;
         let count = spokes.len();
@@ -202,7 +202,7 @@ impl Intrinsic {
         let left = (self.begin[left as usize], self.width(left));
         let stay = if *closed { 1..count - 1 } else { 1..count };
         let fill = |s: &mut Self, span: std::ops::Range<usize>, begin: f64, width: f64| {
-            // Faces whose estimated lengths do not close have no angle: they share alike.
+            // A face whose estimated lengths do not close gets a small angle.
             let angles: Vec<f64> = span
                 .clone()
                 .map(|i| angle(to_x[i], to_x[(i + 1) % around.len()], s.length[next(spokes[i]) as usize]).max(1e-9))
@@ -224,7 +224,7 @@ impl Intrinsic {
             Some(feature) => {
                 fill(self, stay.start..feature.min(stay.end), left.0, left.1);
                 fill(self, feature..stay.end.max(feature), right.0, right.1);
-                // A feature that comes to lie on an edge of `x` that was none leaves one side without a face.
+                // A feature may move to an edge of `x` that was none; then one side of it has no face.
                 let (near, far) = (self.twin[next(spokes[0]) as usize], self.twin[next(spokes[count - 1]) as usize]);
                 if feature == 1 && near != NONE {
                     self.end[next(near) as usize] += left.1;
@@ -237,7 +237,7 @@ impl Intrinsic {
         }
     }
 
-    /// At the two corners opposite the edge `v x`, a kept face takes over the directions of the vanishing one.
+    /// At the two corners opposite the edge `v x`, a kept face gets the directions of the removed one.
     fn widen_at_opposites(&mut self, fan: &Fan, near: u32, far: Option<u32>) {
         let spokes = &fan.spokes;
         let count = spokes.len();

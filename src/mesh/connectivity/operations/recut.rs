@@ -16,7 +16,7 @@ const RECUT_QUAD: f64 = 0.7;
 const RECUT_TRIANGLE: f64 = 0.3;
 /// A quad of a smaller shape may be split into two triangles.
 const SPLIT_QUAD: f64 = 0.4;
-/// A quad with so many irregular vertices is recut.
+/// A quad with this number of irregular vertices is recut.
 const IRREGULAR: usize = 2;
 
 /// Whether a face may be recut.

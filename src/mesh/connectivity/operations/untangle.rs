@@ -86,24 +86,23 @@ fn edge_collapsed<'e>(edit: &Edit<'e>, a: u32, b: u32) -> Vec<Edit<'e>> {
         return result.merge(a, b).map(|_| result).into_iter().collect();
     }
     let Some(curve) = edit.curve([a, b]) else { return Vec::new() };
-    let may_go =
-        |&[_, goes]: &[u32; 2]| matches!(edit.vertex(goes).place, Place::OnCurve { curve: own, .. } if own == curve);
+    let may_go = |&[_, removed]: &[u32; 2]| matches!(edit.vertex(removed).place, Place::OnCurve { curve: own, .. } if own == curve);
     [[a, b], [b, a]]
         .into_iter()
         .filter(may_go)
-        .filter_map(|[stays, goes]| {
-            let next = feature_neighbours(edit, goes, curve).into_iter().find(|&w| w != stays)?;
+        .filter_map(|[kept, removed]| {
+            let next = feature_neighbours(edit, removed, curve).into_iter().find(|&w| w != kept)?;
             // Where another feature already joins the two, two curves coincide there: the triangle between them must be removed.
-            let other = edit.curve([stays, next]);
-            let is_between = |face: u32| [stays, next].iter().all(|v| edit.face(face).contains(v));
-            if other.is_some() && !edit.around(goes).any(|face| edit.face(face).len() == 3 && is_between(face)) {
+            let other = edit.curve([kept, next]);
+            let is_between = |face: u32| [kept, next].iter().all(|v| edit.face(face).contains(v));
+            if other.is_some() && !edit.around(removed).any(|face| edit.face(face).len() == 3 && is_between(face)) {
                 return None;
             }
             let mut result = edit.clone();
-            result.set_feature([goes, stays], None);
-            result.set_feature([goes, next], None);
-            result.set_feature([stays, next], other.or(Some(curve)));
-            result.absorb(stays, goes)?;
+            result.set_feature([removed, kept], None);
+            result.set_feature([removed, next], None);
+            result.set_feature([kept, next], other.or(Some(curve)));
+            result.absorb(kept, removed)?;
             Some(result)
         })
         .collect()
