@@ -93,6 +93,11 @@ impl Faults {
         self.list.is_empty()
     }
 
+    /// The topology of the mesh.
+    pub fn topology(&self) -> Topology {
+        Topology { euler: self.euler, boundary_loops: self.boundary_loops, components: self.components }
+    }
+
     /// The number of faults that satisfy `which`.
     pub fn count(&self, which: impl Fn(&Kind) -> bool) -> usize {
         self.list.iter().filter(|fault| which(&fault.kind)).count()

@@ -12,6 +12,7 @@
 //! edge of more than two faces is not listed as misoriented too, nor a degenerate quad as concave.
 
 use super::check::{Fault, Faults, Kind, check, check_joined, sort};
+use super::incidence::sides;
 use super::orientation::Orientation;
 use super::quality::percentile;
 use super::topology::Connectivity;
@@ -163,28 +164,27 @@ pub fn check_against(mesh: &Mesh, surface: &Surface) -> (Faults, Option<Comparis
 }
 
 /// The topological differences between a mesh, unit-sized, and the surface that it was made of.
-pub(crate) fn differences_of(mesh: &Mesh, surface: &Surface) -> Vec<Difference> {
-    let connectivity = Connectivity::of(mesh);
+pub(crate) fn differences_from(mesh: Topology, surface: &Surface) -> Vec<Difference> {
     let reference = match surface.shared_places().contains(&true) {
         true => Connectivity::of(&as_mesh(surface)).topology,
         false => Topology::of(surface),
     };
-    differences(connectivity.topology, reference)
+    differences(mesh, reference)
 }
 
 /// The vertex of the surface farthest from the mesh, unit-sized, that was made of it; `None` where that is no farther than a
 /// mean edge length.
 pub(crate) fn uncovered(mesh: &Mesh, surface: &Surface) -> Option<Difference> {
-    let lengths = mesh.lengths(&mesh.edges());
-    let edge = lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
+    let lengths = || mesh.faces().flat_map(sides).map(|[a, b]| mesh.place(a).distance(mesh.place(b)));
+    let edge = lengths().sum::<f64>() / lengths().count().max(1) as f64;
     // Most vertices of the surface have a vertex of the mesh nearby; the distance of the others is measured.
     let cell = |p: DVec3| (p / edge).floor().as_ivec3();
     let mut cells: FxHashMap<IVec3, Vec<u32>> = FxHashMap::default();
     (0..mesh.points.len() as u32).for_each(|v| cells.entry(cell(mesh.place(v))).or_default().push(v));
     let is_near = |p: DVec3| {
-        let own = cell(p);
-        let around = (0..27).map(|k| own + IVec3::new(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1));
-        let vertices = around.filter_map(|cell| cells.get(&cell)).flatten();
+        // The own cell, which nearly always has one, is the first.
+        let offsets = (0..27).map(|k| (k + 13) % 27).map(|k| IVec3::new(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1));
+        let vertices = offsets.filter_map(|offset| cells.get(&(cell(p) + offset))).flatten();
         vertices.into_iter().any(|&v| mesh.place(v).distance_squared(p) < edge * edge)
     };
     let point = |v: u32| DVec3::from(surface.point(v));

@@ -239,11 +239,13 @@ impl<'a> Filler<'a> {
 
     /// The cost of a face: what its shape lacks, and a penalty for a triangle and for a fault.
     fn face_cost(&self, face: &[u32]) -> f64 {
-        let corners: Vec<DVec3> = face.iter().map(|&v| self.triangulation.vertices[v as usize].point).collect();
+        let mut points = [DVec3::ZERO; 4];
+        face.iter().zip(&mut points).for_each(|(&v, point)| *point = self.triangulation.vertices[v as usize].point);
+        let corners = &points[..face.len()];
         let sheets = face.iter().map(|&v| self.triangulation.vertices[v as usize].triangles);
         let map = self.metric.map_of(face);
         let orientation = &self.context.orientation;
-        let measure = Measure::of(&corners, map.as_ref(), None, || orientation.is_inverted(&corners, sheets));
+        let measure = Measure::of(corners, map.as_ref(), None, || orientation.is_inverted(corners, sheets));
         let base = if face.len() == 3 { TRIANGLE_COST } else { 0.0 };
         let is_bad = measure.is_fault || (face.len() == 4 && measure.shape <= NEARLY_CONCAVE);
         let fault = if is_bad { FAULT_COST } else { 0.0 };

@@ -5,7 +5,7 @@
 //! both, and more points resolve these parts.
 
 use super::check::{Fault, Faults, Kind, check_joined, sort};
-use super::compare::{Difference, differences_of, uncovered};
+use super::compare::{Difference, differences_from, uncovered};
 use super::join::{Joined, join};
 use super::objective::Context;
 use super::regions::with_regions;
@@ -51,10 +51,10 @@ pub fn finish(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic, triangulat
         .filter(|&(_, &face)| mesh.opposes_nearest(context, face))
         .map(|(face, _)| face)
         .collect();
-    let mut differences = differences_of(&joined, surface);
-    differences.extend(uncovered(&joined, surface));
+    let uncovered = uncovered(&joined, surface);
     let joined = joined.placed(surface.frame());
     let mut faults = check_joined(&joined, &branches);
+    let differences = differences_from(faults.topology(), surface).into_iter().chain(uncovered).collect();
     faults.list.extend(inverted.into_iter().map(|face| Fault {
         kind: Kind::FlippedFace { face },
         at: joined.middle(joined.face(face as usize)).to_array(),

@@ -104,6 +104,11 @@ impl<'a> Sweeps<'a> {
         }
     }
 
+    /// The measures of the faces as they are.
+    pub(crate) fn into_measures(self) -> Vec<Measure> {
+        self.measures
+    }
+
     /// Visits each waiting vertex once, colour by colour; returns whether any has moved.
     fn sweep(&mut self, mesh: &mut SurfaceMesh, step: Step) -> bool {
         let mut any = false;
@@ -173,7 +178,7 @@ impl View<'_> {
             Place::Corner => return None,
         };
         let current = Position::from(self.mesh.vertex(v));
-        let score = self.score(v, &current, range.as_ref());
+        let score = self.current_score(v, &current, range.as_ref());
         if let Step::Match = step {
             let found = self.matched(v, &current, score, range.as_ref());
             if found.is_some() || (self.worst(v) >= POOR && !self.leaves_its_curve(v)) {
@@ -258,6 +263,13 @@ impl View<'_> {
             weight += share;
         }
         if weight > 0.0 { here + way / weight } else { here }
+    }
+
+    /// The score of the faces and feature edges at a vertex as it is.
+    fn current_score(&self, v: u32, current: &Position, range: Option<&Range>) -> Score {
+        let faces: Score = self.mesh.around(v).iter().map(|&f| self.sweeps.measures[f as usize].score(0.0)).sum();
+        let chords = range.map_or(0.0, |range| self.chords(v, current, range));
+        Score { loss: faces.loss + chords, ..faces }
     }
 
     /// The score of the faces and feature edges at a vertex, the vertex being at a position.

@@ -192,8 +192,8 @@ pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &Connectivit
         engine.options.regularity = options.regularity.max(ALL_REGULARITY);
     }
     let (options, excess, counts) = (engine.options, engine.excess, engine.counts);
-    match_shapes(context, mesh, PASSES);
-    let mut engine = Engine { options, excess, counts, ..Engine::new(context, mesh, &options) };
+    let measures = match_shapes(context, mesh, PASSES).into_measures();
+    let mut engine = Engine { context, mesh, measures, options, excess, counts };
     engine.run(&[operations::RECUT]);
     operations::dissolve(&mut engine);
     engine.finish()
