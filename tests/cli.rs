@@ -99,7 +99,7 @@ fn a_sphere_from_end_to_end() {
     let mesh = read_mesh(&desk.path("out.obj")).expect("it is a mesh");
     let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
 
-    assert_eq!(report["version"], 3);
+    assert_eq!(report["version"], 4);
     assert_eq!(report["surface"]["name"], "example:sphere:2000");
     assert_eq!(report["asked"]["points"], 500);
     assert_eq!(report["mesh"]["vertices"], mesh.points.len());
@@ -107,11 +107,23 @@ fn a_sphere_from_end_to_end() {
     assert_eq!(report["mesh"]["triangles"], faces(&mesh, 3));
     assert_eq!(mesh.face_count(), faces(&mesh, 4) + faces(&mesh, 3));
     assert_eq!(report["faults"]["euler"], 2);
+    assert_eq!(report["edits"]["triangles_after"], faces(&mesh, 3));
+    assert_eq!((report["faults"]["list"].as_array(), report["differences"].as_array()), (Some(&vec![]), Some(&vec![])));
     assert!(mesh.points.len().abs_diff(500) <= 25, "{} vertices", mesh.points.len());
 
     let stages: Vec<_> = report["times"].as_array().expect("a list").iter().map(|time| &time["stage"]).collect();
     let expected = [
-        "read", "device", "surface", "field", "mosaic", "connect", "fill", "clean", "pair", "smooth", "measure",
+        "read",
+        "device",
+        "surface",
+        "field",
+        "mosaic",
+        "connect",
+        "fill",
+        "connectivity",
+        "relocate",
+        "finish",
+        "measure",
         "write",
     ];
     assert_eq!(stages, expected);
@@ -136,6 +148,41 @@ fn the_same_bytes_again_and_with_any_number_of_threads() {
     assert_eq!(mesh("first.obj", "1", "600"), first, "over the file of the first run");
     assert_eq!(mesh("two.obj", "2", "600"), first);
     assert_ne!(mesh("other.obj", "2", "700"), first, "equality would say nothing");
+}
+
+#[test]
+fn a_mesh_that_is_wrong_is_a_warning_or_with_strict_no_mesh() {
+    let desk = Desk::new();
+    // Tiles as wide as its tube is thick cannot show a torus.
+    let coarse = ["mesh", "example:torus:1000", "--points", "4", "-o", "out.obj", "--quiet"];
+    let fine = ["mesh", "example:torus:1000", "--points", "100", "-o", "out.obj", "--quiet"];
+    let files = ["--report", "out.json", "--picture", "out.png"];
+    let run = |arguments: &[&str], more: &[&str]| {
+        let output = desk.run(&[arguments, more].concat());
+        (output.status.code(), text(&output.stderr))
+    };
+    let strict = [&["--strict"], &files[..]].concat();
+    let (code, said) = run(&coarse, &strict);
+    let refused = said.strip_prefix("error: out.obj was not written: ").unwrap_or_else(|| panic!("{said}"));
+    assert_eq!((code, desk.names()), (Some(3), vec![]), "{said}");
+    assert!(refused.contains("edge lengths from the mesh; ") && refused.contains("looks away from the surface at ("));
+    // What stands there already stays.
+    desk.put("out.obj", SQUARE);
+    assert_eq!(run(&coarse, &strict).0, Some(3));
+    assert_eq!((text(&desk.bytes("out.obj")).as_str(), desk.names()), (SQUARE, vec!["out.obj".to_owned()]));
+
+    let (code, said) = run(&coarse, &files);
+    assert_eq!((code, desk.names()), (Some(0), ["out.json", "out.obj", "out.png"].map(str::to_owned).to_vec()));
+    assert!(said.starts_with(&format!("warning: out.obj: {refused}")), "{said}");
+    let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+    let told = |name: &str| report[name].as_array().map(Vec::len);
+    let faults = report["faults"]["list"].as_array().expect("a list");
+    assert!(faults.iter().any(|fault| fault["kind"]["FlippedFace"]["face"].is_u64()), "{report}");
+    assert_eq!(told("differences"), Some(1), "{report}");
+    assert_ne!(text(&desk.bytes("out.obj")), SQUARE);
+
+    let (code, said) = run(&fine, &strict);
+    assert_eq!((code, said.as_str()), (Some(0), ""), "a mesh without faults is written");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use quadmosaic::field::{Field, FieldOptions};
 use quadmosaic::mesh::connect::{ConnectOptions, connect};
 use quadmosaic::mesh::fill::{Holes, fill};
 use quadmosaic::mesh::triangulate::triangulate;
-use quadmosaic::mesh::{Mesh, Triangulation};
+use quadmosaic::mesh::{Context, SurfaceMesh, Triangulation};
 use quadmosaic::mosaic::{Effort, Mosaic, MosaicBuilder};
 use quadmosaic::parametrize::Rows;
 use quadmosaic::surface::examples::Example;
@@ -51,11 +51,15 @@ pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {
     builder.with_count(POINTS).expect("the CPU does not fail")
 }
 
-/// The surface, its tiles' triangulation and the mesh with its holes filled.
-pub fn filled() -> (Surface, Triangulation, Mesh) {
+/// The surface and its tiles' triangulation.
+pub fn triangulated() -> (Surface, Triangulation) {
     let surface = surface();
     let field = field(&surface);
     let triangulation = triangulate(&surface, &field, &mosaic(&surface, &field));
-    let (mesh, _) = fill(&triangulation, &connect(&triangulation, &ConnectOptions::default()), Holes::Patterns);
-    (surface, triangulation, mesh)
+    (surface, triangulation)
+}
+
+/// The mesh with its holes filled.
+pub fn filled(context: &Context, triangulation: &Triangulation) -> SurfaceMesh {
+    fill(context, triangulation, &connect(triangulation, &ConnectOptions::default()), Holes::Patterns).0
 }

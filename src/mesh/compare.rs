@@ -412,3 +412,90 @@ impl TestedMesh {
         Some(FeatureDistance { edges: edges.len(), mean, p99: percentile(&distances, 0.99), max })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::examples::Example;
+    use crate::surface::{FeatureOptions, Soup};
+
+    fn surface(soup: &Soup) -> Surface {
+        Surface::new(soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn example(name: &str) -> Soup {
+        name.parse::<Example>().expect("an example's name").generate(500)
+    }
+
+    /// A square of 10 by 10 cells, each of two triangles.
+    fn square() -> Soup {
+        let mut soup = Soup::default();
+        soup.points = (0..121).map(|v| [f64::from(v % 11), f64::from(v / 11), 0.0]).collect();
+        let cells = (0..100).map(|cell| cell / 10 * 11 + cell % 10);
+        soup.triangles = cells.flat_map(|a| [[a, a + 1, a + 12], [a, a + 12, a + 11]]).collect();
+        soup
+    }
+
+    /// What a mesh has otherwise than a surface, lost parts included.
+    fn all_differences(mesh: &Mesh, surface: &Surface) -> Vec<Difference> {
+        differences_of(mesh, surface).into_iter().chain(uncovered(mesh, surface)).collect()
+    }
+
+    /// The mesh without the faces that `goes` names by their index and middle.
+    fn without(mesh: &Mesh, goes: impl Fn(usize, DVec3) -> bool) -> Mesh {
+        let mut rest = Mesh::new(mesh.points.clone());
+        let kept = (0..).zip(mesh.faces()).filter(|&(index, face)| !goes(index, mesh.middle(face)));
+        kept.for_each(|(_, face)| rest.push_face(face));
+        // Vertices without a face would cover what is lost.
+        let mut is_used = vec![false; rest.points.len()];
+        rest.faces().flatten().for_each(|&v| is_used[v as usize] = true);
+        rest.points.iter_mut().zip(is_used).filter(|(_, is_used)| !is_used).for_each(|(point, _)| *point = [9.0; 3]);
+        rest
+    }
+
+    #[test]
+    fn the_surface_itself_has_no_difference() {
+        for name in Example::NAMES {
+            let surface = surface(&example(name));
+            assert_eq!(all_differences(&as_mesh(&surface), &surface), [], "{name}");
+        }
+    }
+
+    #[test]
+    fn a_hole_and_a_handle_are_told_by_the_topology() {
+        let [sphere, torus] = ["sphere", "torus"].map(|name| surface(&example(name)));
+        let holed = without(&as_mesh(&torus), |index, _| index == 7);
+        let (euler, loops) =
+            (Difference::Euler { mesh: -1, surface: 0 }, Difference::BoundaryLoops { mesh: 1, surface: 0 });
+        assert_eq!(all_differences(&holed, &torus), [euler, loops]);
+        assert_eq!(differences_of(&as_mesh(&torus), &sphere), [Difference::Euler { mesh: 0, surface: 2 }]);
+    }
+
+    #[test]
+    fn a_lost_part_is_told_with_its_place() {
+        // Of a second sphere nothing is left.
+        let mut soup = example("sphere");
+        let count = soup.points.len() as u32;
+        soup.points.extend_from_within(..);
+        soup.points[count as usize..].iter_mut().for_each(|point| point[0] += 5.0);
+        soup.triangles.extend_from_within(..);
+        let half = soup.triangles.len() / 2;
+        soup.triangles[half..].iter_mut().flatten().for_each(|v| *v += count);
+        let two = surface(&soup);
+        let one = without(&as_mesh(&two), |_, middle| middle.x > 0.0);
+        let found = all_differences(&one, &two);
+        let [Difference::Euler { .. }, Difference::Components { mesh: 1, surface: 2 }, lost] = found[..] else {
+            panic!("{found:?}")
+        };
+        let Difference::Uncovered { distance, at: [x, ..] } = lost else { panic!("{lost:?}") };
+        assert!(distance > 10.0 && (x - 6.0).abs() < 0.1, "the far side: {lost:?}");
+        // Of a square without its last rows the topology says nothing.
+        let square = surface(&square());
+        let low = without(&as_mesh(&square), |_, middle| middle.x > 0.13);
+        assert_eq!(differences_of(&low, &square), []);
+        assert!(matches!(uncovered(&low, &square), Some(Difference::Uncovered { distance, .. }) if distance > 2.0));
+        // A corner that lies less than an edge length away is covered.
+        let rest = without(&as_mesh(&square), |_, middle| middle.y - middle.x > 0.64);
+        assert_eq!((rest.face_count(), all_differences(&rest, &square)), (199, vec![]));
+    }
+}

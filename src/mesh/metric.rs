@@ -5,7 +5,7 @@
 //! square of the same area. A face is measured under the mean of its vertices' maps. Where all tiles are squares, every map is
 //! the identity and none is stored.
 
-use super::surface_mesh::Vertex;
+use super::vertex::Vertex;
 use glam::{DMat3, DVec3};
 
 /// For each vertex, the linear map of space that makes its tile a square of the same area.
@@ -96,7 +96,7 @@ pub(crate) fn from_metric(map: Option<&MetricMap>, point: DVec3) -> DVec3 {
 mod tests {
     use super::*;
     use crate::mesh::quality::quad_shape;
-    use crate::mesh::surface_mesh::Place;
+    use crate::mesh::vertex::Place;
 
     /// Four vertices whose tiles are four times as long as wide along x, the first `rough` of them on features.
     fn metric(rough: usize) -> Metric {

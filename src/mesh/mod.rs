@@ -26,13 +26,15 @@ pub mod relocate;
 mod surface_mesh;
 mod topology;
 pub mod triangulate;
+mod vertex;
 
 pub use metric::Metric;
 pub use objective::Context;
 pub use read::{read_mesh, read_mesh_as};
-pub use surface_mesh::{Place, SurfaceMesh, Vertex};
+pub use surface_mesh::SurfaceMesh;
 pub use topology::Topology;
 pub use triangulate::Triangulation;
+pub use vertex::{Place, Vertex};
 
 use crate::surface::{Regions, Soup};
 use glam::DVec3;

@@ -12,7 +12,8 @@
 use super::metric::{MetricMap, to_metric};
 use super::orientation::{self, Orientation};
 use super::quality::{quad_shape, triangle_shape};
-use super::surface_mesh::{Place, SurfaceMesh, walked};
+use super::surface_mesh::SurfaceMesh;
+use super::vertex::{Place, walked};
 use crate::surface::{Curve, Surface, shared_curves};
 use glam::DVec3;
 use rayon::prelude::*;

@@ -5,7 +5,8 @@
 
 use super::incidence::{sides, undirected};
 use super::objective::Context;
-use super::surface_mesh::{Place, SurfaceMesh, Vertex};
+use super::surface_mesh::SurfaceMesh;
+use super::vertex::{Place, Vertex};
 use super::{Mesh, Metric};
 use crate::surface::NONE;
 use crate::surface::nearest::{Simplices, nearest_on_segment};

@@ -19,7 +19,8 @@
 
 use super::metric::{MetricMap, from_metric, to_metric};
 use super::objective::{Context, FLOOR, Measure, POOR, Score, TOLERATED_CHORD_LOSS, TRIANGLE_WEIGHT, chord_loss};
-use super::surface_mesh::{Place, Position, SurfaceMesh, walked};
+use super::surface_mesh::SurfaceMesh;
+use super::vertex::{Place, Position, walked};
 use crate::surface::NONE;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -9,68 +9,11 @@
 //! it once, after the last edit.
 
 use super::incidence::{Rows, neighbours_in, undirected};
+use super::vertex::{Position, Vertex};
 use super::{Mesh, Metric};
-use crate::surface::{NONE, Surface, WALK_EDGES, walk};
+use crate::surface::{NONE, Surface};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
-
-/// The place of a vertex on the surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
-    /// Off all features: it may move over the surface.
-    Free,
-    /// On a feature curve: it may move along the curve.
-    OnCurve {
-        /// The curve, by its index in [`Features::curves`](crate::surface::Features::curves).
-        curve: u32,
-        /// The arc length from the curve's first vertex, unit-sized.
-        s: f64,
-    },
-    /// Fixed: a corner of features, a point that several sheets share, or a vertex that the topology needs.
-    Corner,
-}
-
-/// A vertex of a [`SurfaceMesh`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vertex {
-    /// Unit-sized coordinates.
-    pub point: DVec3,
-    /// Its place on the surface.
-    pub place: Place,
-    /// The triangles of the surface on the two sides of its curve; twice the same where it is free or on a boundary, and
-    /// `u32::MAX` where more than two sides meet.
-    pub triangles: [u32; 2],
-    /// Unit normal of the surface; rough on features.
-    pub normal: DVec3,
-    /// A unit tangent direction of the cross; rough on features.
-    pub axis: DVec3,
-    /// Its wanted valence, in faces: 4, and on features one for each right angle.
-    pub valence: u8,
-    /// Its vertex in the triangulation; `u32::MAX` for a vertex that an edit has added.
-    pub origin: u32,
-}
-
-impl Vertex {
-    /// Whether it lies off all features.
-    pub fn is_free(&self) -> bool {
-        self.place == Place::Free
-    }
-}
-
-/// A position on the surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Position {
-    pub point: DVec3,
-    pub place: Place,
-    /// See [`Vertex::triangles`].
-    pub triangles: [u32; 2],
-}
-
-impl From<&Vertex> for Position {
-    fn from(vertex: &Vertex) -> Self {
-        Self { point: vertex.point, place: vertex.place, triangles: vertex.triangles }
-    }
-}
 
 /// A polygon mesh on a surface, with the faces at each vertex and the metric of its shapes.
 #[derive(Clone, Debug, Default)]
@@ -271,14 +214,4 @@ impl SurfaceMesh {
         let lengths = faces.iter().map(|&f| self.point(v).distance(self.point(neighbours_in(self.face(f), v)[1])));
         lengths.sum::<f64>() / faces.len().max(1) as f64
     }
-}
-
-/// The end of the straight walk over the surface from a point of a triangle towards another point. It does not cross features.
-pub(crate) fn walked(surface: &Surface, triangle: u32, from: DVec3, to: DVec3) -> Position {
-    let barrier = |h| surface.features().is_feature(h);
-    let normal = surface.normal(triangle as usize).as_dvec3();
-    let way = to - from;
-    let way = way - normal * normal.dot(way);
-    let foot = walk(surface, barrier, triangle, from.as_vec3(), way.as_vec3(), WALK_EDGES);
-    Position { point: foot.position.as_dvec3(), place: Place::Free, triangles: [foot.triangle; 2] }
 }

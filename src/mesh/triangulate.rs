@@ -18,7 +18,8 @@
 use super::Metric;
 use super::incidence::undirected;
 use super::intrinsic::Intrinsic;
-use super::surface_mesh::{Place, SurfaceMesh, Vertex};
+use super::surface_mesh::SurfaceMesh;
+use super::vertex::{Place, Vertex};
 use crate::field::Field;
 use crate::geometry::cross;
 use crate::mosaic::anisotropic::factors;

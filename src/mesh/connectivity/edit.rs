@@ -6,7 +6,8 @@
 
 use crate::mesh::incidence::{neighbours_in, sides, undirected};
 use crate::mesh::objective::{Context, Measure};
-use crate::mesh::surface_mesh::{Position, SurfaceMesh, Vertex, walked};
+use crate::mesh::surface_mesh::SurfaceMesh;
+use crate::mesh::vertex::{Position, Vertex, walked};
 use crate::surface::Surface;
 use glam::DVec3;
 

@@ -25,7 +25,8 @@ mod patch;
 
 use super::objective::{Context, Measure, Score, chord_loss};
 use super::relocate::match_shapes;
-use super::surface_mesh::{SurfaceMesh, walked};
+use super::surface_mesh::SurfaceMesh;
+use super::vertex::walked;
 use crate::surface::Surface;
 use edit::{Change, Edit, NEW};
 use operations::Operation;

@@ -24,7 +24,7 @@ use super::super::patch::relaxed;
 use super::super::{Engine, Kind, LEAST_GAIN};
 use super::walk;
 use crate::mesh::incidence::{sides, undirected};
-use crate::mesh::surface_mesh::{Place, Vertex, walked};
+use crate::mesh::vertex::{Place, Vertex, walked};
 use crate::surface::NONE;
 use glam::DVec3;
 use rayon::prelude::*;

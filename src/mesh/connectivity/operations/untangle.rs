@@ -11,7 +11,7 @@ use super::super::{Engine, Kind, Quads};
 use super::recut::{collapsed, flipped, recut, split};
 use super::walk;
 use crate::mesh::incidence::sides;
-use crate::mesh::surface_mesh::Place;
+use crate::mesh::vertex::Place;
 
 /// The single edits about a fault.
 pub(super) fn once<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
