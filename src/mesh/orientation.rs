@@ -17,8 +17,8 @@ use std::sync::OnceLock;
 
 /// The cosine of the largest angle between a face and the sheets at its corners that needs no search: 60 degrees.
 const AGREEMENT: f64 = 0.5;
-/// A sum of cosines smaller than this counts as none: the triangles are perpendicular to the face, within 3 degrees.
-const PERPENDICULAR: f64 = 0.05;
+/// A sum of cosines smaller than this counts as none: the triangles are perpendicular to the face, but for roundings.
+const PERPENDICULAR: f64 = 1e-3;
 
 /// The orientation of a surface; the first search builds a tree of its triangles.
 pub(crate) struct Orientation<'a> {
