@@ -247,7 +247,7 @@ fn meshed(
     options: &Options,
     clock: &mut Clock,
 ) -> Meshed {
-    let context = Context::new(surface);
+    let mut context = Context::new(surface);
     let edges = connect(triangulation, &options.connect);
 
     clock.begin(Stage::Fill);
@@ -263,11 +263,25 @@ fn meshed(
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits) {
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
     }
+    mesh = mesh.compacted();
+    let mut opposed = mesh.opposed_faces(&context);
+    if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits)
+        && (1..=mesh.faces().count() / THIN).contains(&opposed.len())
+    {
+        context.let_nearest_decide();
+        untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
+        mesh = mesh.compacted();
+        opposed = mesh.opposed_faces(&context);
+    }
 
     clock.begin(Stage::Finish);
-    let Finished { mesh, branches, faults, differences } = finish(&context, &mesh, mosaic, triangulation);
+    let Finished { mesh, branches, faults, differences } = finish(&context, &mesh, &opposed, mosaic, triangulation);
     Meshed { before, holes, edits, mesh, branches, faults, differences }
 }
+
+/// Where a larger share of the faces than one in so many is nearer to an opposite sheet, the surface is thinner than its tiles
+/// throughout, and edits would only spoil shapes.
+const THIN: usize = 100;
 
 /// The options of the connectivity optimisation, completed by the mesh before it and by the other options.
 fn connectivity(options: &Options, before: &Mesh) -> Option<ConnectivityOptions> {

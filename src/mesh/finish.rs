@@ -12,7 +12,7 @@ use super::regions::with_regions;
 use super::surface_mesh::SurfaceMesh;
 use super::{Mesh, Triangulation};
 use crate::mosaic::{FeaturePoint, Mosaic};
-use rayon::prelude::*;
+use rustc_hash::FxHashSet;
 
 /// A finished mesh, with its faults and its differences from the surface.
 #[derive(Clone, Debug, Default)]
@@ -27,11 +27,17 @@ pub struct Finished {
     pub differences: Vec<Difference>,
 }
 
-/// Gives the faces of a mesh their regions, joins its sheets where they meet, and compares the result with the surface.
-pub fn finish(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic, triangulation: &Triangulation) -> Finished {
+/// Gives the faces of a compacted mesh their regions, joins its sheets where they meet, and compares the result with the surface.
+/// `opposed` lists the faces that point against the nearest triangles.
+pub(crate) fn finish(
+    context: &Context,
+    mesh: &SurfaceMesh,
+    opposed: &[u32],
+    mosaic: &Mosaic,
+    triangulation: &Triangulation,
+) -> Finished {
     let surface = context.surface;
-    let mesh = mesh.compacted();
-    let (named, order) = with_regions(context, &mesh, mosaic);
+    let (named, order) = with_regions(context, mesh, mosaic);
     let Joined { mesh: joined, mut branches, number } =
         join(&named, &triangulation.joints(mesh.vertices().iter().map(|vertex| vertex.origin)));
     let ends = context.ends_of_shared_curves();
@@ -43,19 +49,13 @@ pub fn finish(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic, triangulat
             branches[number[v] as usize] = true;
         }
     }
-    let inverted: Vec<u32> = (0..)
-        .zip(&order)
-        .collect::<Vec<(u32, &u32)>>()
-        .into_par_iter()
-        .with_min_len(1024)
-        .filter(|&(_, &face)| mesh.opposes_nearest(context, face))
-        .map(|(face, _)| face)
-        .collect();
+    let opposed: FxHashSet<u32> = opposed.iter().copied().collect();
+    let inverted = (0..).zip(&order).filter(|(_, face)| opposed.contains(face)).map(|(face, _)| face);
     let uncovered = uncovered(&joined, surface);
     let joined = joined.placed(surface.frame());
     let mut faults = check_joined(&joined, &branches);
     let differences = differences_from(faults.topology(), surface).into_iter().chain(uncovered).collect();
-    faults.list.extend(inverted.into_iter().map(|face| Fault {
+    faults.list.extend(inverted.map(|face| Fault {
         kind: Kind::FlippedFace { face },
         at: joined.middle(joined.face(face as usize)).to_array(),
     }));
@@ -63,9 +63,8 @@ pub fn finish(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic, triangulat
     Finished { mesh: joined, branches, faults, differences }
 }
 
-/// A mesh with its sheets joined, in model units, without regions.
+/// A mesh each of whose vertices has a face, with its sheets joined, in model units, without regions.
 pub(crate) fn joined(context: &Context, mesh: &SurfaceMesh, triangulation: &Triangulation) -> Mesh {
-    let mesh = mesh.compacted();
     let joints = triangulation.joints(mesh.vertices().iter().map(|vertex| vertex.origin));
     join(&mesh.to_mesh(), &joints).mesh.placed(context.surface.frame())
 }

@@ -56,6 +56,11 @@ pub struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
+    /// From now on the triangles nearest to a face decide whether it is inverted, whatever sheet it was made on.
+    pub(crate) fn let_nearest_decide(&mut self) {
+        self.orientation.let_nearest_decide();
+    }
+
     /// The context of a surface.
     pub fn new(surface: &'a Surface) -> Self {
         Self { surface, orientation: Orientation::new(surface), shared: shared_curves(surface) }
@@ -185,8 +190,14 @@ impl SurfaceMesh {
         })
     }
 
+    /// The faces whose normals point against the triangles nearest to their middles, of all sheets.
+    pub(crate) fn opposed_faces(&self, context: &Context) -> Vec<u32> {
+        let is_opposed = |&face: &u32| !self.face(face).is_empty() && self.opposes_nearest(context, face);
+        (0..self.face_bound() as u32).into_par_iter().with_min_len(1024).filter(is_opposed).collect()
+    }
+
     /// Whether the normal of a face points against the triangles nearest to its middle, of all sheets.
-    pub(crate) fn opposes_nearest(&self, context: &Context, face: u32) -> bool {
+    fn opposes_nearest(&self, context: &Context, face: u32) -> bool {
         let corners = self.face(face);
         let points: Vec<DVec3> = corners.iter().map(|&v| self.point(v)).collect();
         let (normal, middle) = (orientation::normal(&points), orientation::middle(&points));

@@ -24,11 +24,18 @@ const PERPENDICULAR: f64 = 0.05;
 pub(crate) struct Orientation<'a> {
     surface: &'a Surface,
     triangles: OnceLock<Triangles>,
+    /// Whether the nearest triangles decide, whatever sheets are known at the corners of a face.
+    nearest_decides: bool,
 }
 
 impl<'a> Orientation<'a> {
     pub(crate) fn new(surface: &'a Surface) -> Self {
-        Self { surface, triangles: OnceLock::new() }
+        Self { surface, triangles: OnceLock::new(), nearest_decides: false }
+    }
+
+    /// From now on the nearest triangles decide, whatever sheets are known at the corners of a face.
+    pub(crate) fn let_nearest_decide(&mut self) {
+        self.nearest_decides = true;
     }
 
     /// The tree of the surface's triangles.
@@ -40,7 +47,8 @@ impl<'a> Orientation<'a> {
     /// surface on the two sides of each corner, [`NONE`] where they are unknown.
     pub(crate) fn is_inverted(&self, corners: &[DVec3], sheets: impl Iterator<Item = [u32; 2]>) -> bool {
         let normal = normal(corners);
-        !self.agrees(normal, sheets) && self.nearest_sheets(normal, middle(corners)).are_opposed
+        (self.nearest_decides || !self.agrees(normal, sheets))
+            && self.nearest_sheets(normal, middle(corners)).are_opposed
     }
 
     /// Whether a sheet is known at a corner of a face, and all known sheets agree with its normal.
