@@ -440,6 +440,10 @@ mod tests {
         soup
     }
 
+    fn differences_of(mesh: &Mesh, surface: &Surface) -> Vec<Difference> {
+        differences_from(Connectivity::of(mesh).topology, surface)
+    }
+
     /// What a mesh has otherwise than a surface, lost parts included.
     fn all_differences(mesh: &Mesh, surface: &Surface) -> Vec<Difference> {
         differences_of(mesh, surface).into_iter().chain(uncovered(mesh, surface)).collect()

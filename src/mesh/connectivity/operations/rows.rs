@@ -129,6 +129,9 @@ impl<'a, 'b> Lines<'a, 'b> {
     /// Continues the line from a vertex between any two of its faces, `fan`, counter-clockwise; `cost` is the cost of the line
     /// up to the vertex.
     fn extend(&mut self, vertex: u32, fan: &[u32], cost: f64) {
+        if fan.len() < 2 {
+            return;
+        }
         let cost = cost + QUAD_PRICE - self.edit.irregularity(vertex, 0);
         let halves = |right: usize, left: usize| {
             // Each copy gets a quad of the row, or a triangle that becomes one, on both sides.
