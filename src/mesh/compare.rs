@@ -416,10 +416,6 @@ impl TestedMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn differences_of(mesh: &Mesh, surface: &Surface) -> Vec<Difference> {
-        differences_from(Connectivity::of(mesh).topology, surface)
-    }
     use crate::surface::examples::Example;
     use crate::surface::{FeatureOptions, Soup};
 
