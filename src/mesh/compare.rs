@@ -429,10 +429,12 @@ mod tests {
 
     /// A square of 10 by 10 cells, each of two triangles.
     fn square() -> Soup {
-        let points = (0..121).map(|v| [f64::from(v % 11), f64::from(v / 11), 0.0]).collect();
         let cells = (0..100).map(|cell| cell / 10 * 11 + cell % 10);
-        let triangles = cells.flat_map(|a| [[a, a + 1, a + 12], [a, a + 12, a + 11]]).collect();
-        Soup { points, triangles, ..Soup::default() }
+        Soup {
+            points: (0..121).map(|v| [f64::from(v % 11), f64::from(v / 11), 0.0]).collect(),
+            triangles: cells.flat_map(|a| [[a, a + 1, a + 12], [a, a + 12, a + 11]]).collect(),
+            ..Soup::default()
+        }
     }
 
     fn differences_of(mesh: &Mesh, surface: &Surface) -> Vec<Difference> {
