@@ -1,10 +1,12 @@
 //! The layout of rows: arguments that `mesh`, `mosaic`, `picture` and `study` share.
 
+use super::field_arguments::FieldArguments;
 use super::numbers::number;
 use super::summary;
 use clap::{Args, ValueEnum};
 use quadmosaic::field::{ASPECTS, StretchReport};
 use quadmosaic::parametrize::Rows;
+use quadmosaic::pipeline::Options;
 
 #[derive(Args)]
 pub struct LayoutArguments {
@@ -35,6 +37,23 @@ enum RowEnds {
 }
 
 impl LayoutArguments {
+    /// Options with this layout and these directions, and the rest as given.
+    ///
+    /// # Errors
+    /// Where a file of guides or of feature edges cannot be read.
+    pub fn options(&self, directions: &FieldArguments, rest: Options) -> anyhow::Result<Options> {
+        Ok(Options {
+            features: directions.features(),
+            edges: directions.edges()?,
+            field: directions.field()?,
+            rows: self.rows(),
+            fit: self.fit,
+            fit_range: self.fit_range,
+            aspect: self.aspect,
+            ..rest
+        })
+    }
+
     /// Whether rows may end.
     pub fn rows(&self) -> Rows {
         match self.row_ends {

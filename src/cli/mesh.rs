@@ -211,15 +211,7 @@ impl Arguments {
     }
 
     fn options(&self) -> anyhow::Result<Options> {
-        let defaults = Options::new(self.fineness.fineness());
-        Ok(Options {
-            features: self.directions.features(),
-            edges: self.directions.edges()?,
-            field: self.directions.field()?,
-            rows: self.layout.rows(),
-            fit: self.layout.fit,
-            fit_range: self.layout.fit_range,
-            aspect: self.layout.aspect,
+        let rest = Options {
             sizes: self.fineness.sizes()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {
@@ -236,8 +228,9 @@ impl Arguments {
                 ..ConnectivityOptions::default()
             }),
             smoothing: self.smoothing,
-            ..defaults
-        })
+            ..Options::new(self.fineness.fineness())
+        };
+        self.layout.options(&self.directions, rest)
     }
 }
 

@@ -130,16 +130,7 @@ impl Arguments {
             };
             return Ok(mesh_scene(&self.source.read_mesh()?, paint));
         }
-        let options = Options {
-            features: self.directions.features(),
-            edges: self.directions.edges()?,
-            field: self.directions.field()?,
-            rows: self.layout.rows(),
-            fit: self.layout.fit,
-            fit_range: self.layout.fit_range,
-            aspect: self.layout.aspect,
-            ..Options::new(Fineness::Points(self.points))
-        };
+        let options = self.layout.options(&self.directions, Options::new(Fineness::Points(self.points)))?;
         let soup = self.source.read()?;
         let (surface, sizes, count) = prepare(&soup, &options).context(self.source.to_string())?;
         let device = self.machine.open()?;

@@ -10,7 +10,6 @@ use anyhow::{Context, ensure};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::mesh::connect::ConnectOptions;
-use quadmosaic::pipeline::Options;
 use quadmosaic::study::{self, Plan, Subject, Table};
 use std::fs;
 use std::path::PathBuf;
@@ -115,16 +114,7 @@ impl Arguments {
             angles: self.angles.clone(),
             distances: self.distances.clone(),
             fits: self.fits.clone(),
-            options: Options {
-                features: self.directions.features(),
-                edges: self.directions.edges()?,
-                field: self.directions.field()?,
-                rows: self.layout.rows(),
-                fit: self.layout.fit,
-                fit_range: self.layout.fit_range,
-                aspect: self.layout.aspect,
-                ..plan.options
-            },
+            options: self.layout.options(&self.directions, plan.options)?,
             ..plan
         })
     }
