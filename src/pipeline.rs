@@ -227,8 +227,8 @@ pub fn run(
     let mosaic = lay(&surface, &field, backend, count, options, &|share| progress(Stage::Mosaic, share))?;
 
     clock.begin(Stage::Connect);
-    let triangulation = triangulate(&surface, &field, &mosaic);
-    let meshed = meshed(&surface, &mosaic, &triangulation, options, &mut clock);
+    let (triangulation, context) = rayon::join(|| triangulate(&surface, &field, &mosaic), || Context::new(&surface));
+    let meshed = meshed(context, &mosaic, &triangulation, options, &mut clock);
 
     let times = clock.finish();
     Ok(Outcome { surface, field, mosaic, triangulation, meshed, times })
@@ -237,17 +237,16 @@ pub fn run(
 /// The stages of [`run`] from [`Stage::Connect`] on, for tiles that are triangulated already.
 pub fn connected(surface: &Surface, mosaic: &Mosaic, triangulation: &Triangulation, options: &Options) -> Meshed {
     let mut clock = Clock { progress: &|_, _| (), times: Vec::new(), started: Instant::now() };
-    meshed(surface, mosaic, triangulation, options, &mut clock)
+    meshed(Context::new(surface), mosaic, triangulation, options, &mut clock)
 }
 
 fn meshed(
-    surface: &Surface,
+    mut context: Context,
     mosaic: &Mosaic,
     triangulation: &Triangulation,
     options: &Options,
     clock: &mut Clock,
 ) -> Meshed {
-    let mut context = Context::new(surface);
     let edges = connect(triangulation, &options.connect);
 
     clock.begin(Stage::Fill);

@@ -205,7 +205,7 @@ impl Report {
     pub fn new(name: &str, options: &Options, backend: &dyn Backend, outcome: &Outcome) -> Self {
         let (surface, meshed) = (&outcome.surface, &outcome.meshed);
         let times: Vec<Time> = outcome.times.iter().map(|&(stage, time)| Time::new(stage.name(), time)).collect();
-        let mesh = Quality::of(&meshed.mesh);
+        let (before, mesh) = rayon::join(|| Quality::of(&meshed.before), || Quality::of(&meshed.mesh));
         Self {
             version: VERSION,
             program: PROGRAM.to_owned(),
@@ -220,7 +220,7 @@ impl Report {
                 row_ends: outcome.mosaic.row_ends,
                 sides: Sides::of(&outcome.triangulation),
             },
-            before: Quality::of(&meshed.before),
+            before,
             regularity: Regularity::of(surface, &outcome.field, &mesh),
             mesh,
             edits: meshed.edits,

@@ -233,17 +233,20 @@ fn face_faults(mesh: &Mesh, least_area: f64) -> Vec<Fault> {
     for [face, earlier] in repeats {
         report(Kind::DuplicateFace { face, earlier }, face);
     }
-    for (id, face) in (0..).zip(mesh.faces()) {
+    let shape_fault = |id: u32| {
+        let face = mesh.face(id as usize);
         let point = |k: usize| mesh.place(face[k]);
         let area: f64 =
             (2..face.len()).map(|k| (point(k - 1) - point(0)).cross(point(k) - point(0)).length() / 2.0).sum();
         if face.len() < 3 || area <= least_area {
-            report(Kind::DegenerateFace { face: id, area }, id);
-        } else if let [a, b, c, d] = *face
-            && quad_shape([a, b, c, d].map(|vertex| mesh.points[vertex as usize])) == 0.0
-        {
-            report(Kind::ConcaveQuad { face: id }, id);
+            return Some((Kind::DegenerateFace { face: id, area }, id));
         }
-    }
+        let [a, b, c, d] = *face else { return None };
+        let shape = quad_shape([a, b, c, d].map(|vertex| mesh.points[vertex as usize]));
+        (shape == 0.0).then_some((Kind::ConcaveQuad { face: id }, id))
+    };
+    let all = (0..mesh.face_count() as u32).into_par_iter().with_min_len(1024);
+    let found: Vec<(Kind, u32)> = all.filter_map(shape_fault).collect();
+    found.into_iter().for_each(|(kind, id)| report(kind, id));
     list
 }

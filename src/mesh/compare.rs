@@ -17,7 +17,7 @@ use super::orientation::Orientation;
 use super::quality::percentile;
 use super::topology::Connectivity;
 use super::{Mesh, Topology};
-use crate::surface::nearest::Simplices;
+use crate::surface::nearest::{Simplices, squared_distance};
 use crate::surface::{Frame, Surface, shown};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
@@ -179,22 +179,28 @@ pub(crate) fn uncovered(mesh: &Mesh, surface: &Surface) -> Option<Difference> {
     let edge = lengths().sum::<f64>() / lengths().count().max(1) as f64;
     // Most vertices of the surface have a vertex of the mesh nearby; the distance of the others is measured.
     let cell = |p: DVec3| (p / edge).floor().as_ivec3();
-    let mut cells: FxHashMap<IVec3, Vec<u32>> = FxHashMap::default();
-    (0..mesh.points.len() as u32).for_each(|v| cells.entry(cell(mesh.place(v))).or_default().push(v));
+    let mut first: FxHashMap<IVec3, u32> = FxHashMap::default();
+    first.reserve(mesh.points.len());
+    // The next vertex in the same cell.
+    let next: Vec<Option<u32>> = (0..mesh.points.len() as u32).map(|v| first.insert(cell(mesh.place(v)), v)).collect();
     let is_near = |p: DVec3| {
         // The own cell, which nearly always has one, is the first.
         let offsets = (0..27).map(|k| (k + 13) % 27).map(|k| IVec3::new(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1));
-        let vertices = offsets.filter_map(|offset| cells.get(&(cell(p) + offset))).flatten();
-        vertices.into_iter().any(|&v| mesh.place(v).distance_squared(p) < edge * edge)
+        let firsts = offsets.filter_map(|offset| first.get(&(cell(p) + offset)).copied());
+        let mut vertices = firsts.flat_map(|v| std::iter::successors(Some(v), |&v| next[v as usize]));
+        vertices.any(|v| mesh.place(v).distance_squared(p) < edge * edge)
     };
     let point = |v: u32| DVec3::from(surface.point(v));
     let all = (0..surface.vertex_count() as u32).into_par_iter().with_min_len(1024);
     let far: Vec<u32> = all.filter(|&v| !is_near(point(v))).collect();
-    if far.is_empty() {
-        return None;
-    }
-    let faces = fan(mesh);
-    let measured = far.par_iter().map(|&v| (faces.distance(point(v)) / edge, v));
+    // A tree pays where many points ask.
+    const FEW: usize = 16;
+    let tree = (far.len() > FEW).then(|| fan(mesh));
+    let distance = |p: DVec3| match &tree {
+        Some(tree) => tree.distance(p),
+        None => triangles(mesh).map(|corners| squared_distance(p, corners)).fold(f64::INFINITY, f64::min).sqrt(),
+    };
+    let measured = far.par_iter().map(|&v| (distance(point(v)) / edge, v));
     let (distance, v) = measured.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
     let at = surface.frame().near(surface.point(v));
     (distance > UNCOVERED).then_some(Difference::Uncovered { distance, at })
@@ -254,8 +260,7 @@ struct ReferenceSurface<'a> {
 
 impl<'a> ReferenceSurface<'a> {
     fn new(surface: &'a Surface) -> Self {
-        let orientation = Orientation::new(surface);
-        let (mesh, _) = rayon::join(|| as_mesh(surface), || orientation.triangles().nearest(DVec3::ZERO));
+        let (mesh, orientation) = rayon::join(|| as_mesh(surface), || Orientation::new(surface));
         let Connectivity { edges, fans, topology, .. } = Connectivity::of(&mesh);
         let segment = |ends: [u32; 2]| ends.map(|end| mesh.place(end));
         let boundaries = edges.iter().filter(|edge| edge.is_boundary()).map(|edge| segment(edge.ends));
@@ -283,12 +288,14 @@ impl<'a> ReferenceSurface<'a> {
 }
 
 /// The faces, those of more than three sides as fans about their first vertex.
+fn triangles(mesh: &Mesh) -> impl Iterator<Item = [DVec3; 3]> {
+    mesh.faces()
+        .flat_map(move |face| (2..face.len()).map(move |k| [face[0], face[k - 1], face[k]].map(|v| mesh.place(v))))
+}
+
+/// The tree of [`triangles`].
 fn fan(mesh: &Mesh) -> Simplices<3> {
-    let triangles = |face: &[u32]| {
-        let places: Vec<DVec3> = face.iter().map(|&v| mesh.place(v)).collect();
-        (2..places.len()).map(move |k| [places[0], places[k - 1], places[k]])
-    };
-    Simplices::new(mesh.faces().flat_map(triangles))
+    Simplices::new(triangles(mesh))
 }
 
 /// The mesh, in unit-sized coordinates of the surface.

@@ -37,6 +37,7 @@ use super::surface_mesh::SurfaceMesh;
 use super::triangulate::Triangulation;
 use crate::surface::NONE;
 use glam::DVec3;
+use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
 /// The way in which holes are filled.
@@ -63,12 +64,24 @@ const NEARLY_CONCAVE: f64 = 0.05;
 /// The mesh of the faces that the edges enclose, its holes filled, and the number of holes.
 pub fn fill(context: &Context, triangulation: &Triangulation, edges: &[bool], holes: Holes) -> (SurfaceMesh, usize) {
     let mut filler = Filler::new(context, triangulation, edges, holes);
-    let count = (0..triangulation.faces.face_count() as u32)
-        .map(|face| {
-            let region = if filler.visited[face as usize] { Vec::new() } else { filler.region(face) };
-            if region.is_empty() { 0 } else { filler.fill(region) }
-        })
-        .sum();
+    let starts = 0..triangulation.faces.face_count() as u32;
+    let regions: Vec<Vec<u32>> = starts.map(|face| filler.region(face)).filter(|region| !region.is_empty()).collect();
+    // Nearly all regions are quads, or triangles, and stay as they are.
+    let kept: Vec<Option<Vec<u32>>> = regions
+        .par_iter()
+        .with_min_len(1024)
+        .map(|region| filler.outline(region).filter(|face| filler.is_kept(face)))
+        .collect();
+    let mut count = 0;
+    for (region, kept) in regions.iter().zip(kept) {
+        match kept {
+            Some(face) => {
+                count += usize::from(face.len() > 4);
+                filler.polygons.push(face);
+            }
+            None => count += filler.fill(region),
+        }
+    }
     (triangulation.surface_mesh(&filler.polygons), count)
 }
 
@@ -104,8 +117,11 @@ impl<'a> Filler<'a> {
         }
     }
 
-    /// The triangles that can be reached from a triangle without crossing an edge of the mesh.
+    /// The triangles that can be reached from a triangle without crossing an edge of the mesh; none where it has a region.
     fn region(&mut self, face: u32) -> Vec<u32> {
+        if self.visited[face as usize] {
+            return Vec::new();
+        }
         self.visited[face as usize] = true;
         let mut region = vec![face];
         let mut at = 0;
@@ -123,19 +139,26 @@ impl<'a> Filler<'a> {
     }
 
     /// Adds the faces of a region to the mesh; returns the number of its holes, more than one where it is no disc.
-    fn fill(&mut self, region: Vec<u32>) -> usize {
-        let Some(polygon) = self.outline(&region) else { return self.split_region(&region) };
+    fn fill(&mut self, region: &[u32]) -> usize {
+        let Some(polygon) = self.outline(region) else { return self.split_region(region) };
         let is_hole = polygon.len() > 4;
-        match (polygon.len(), self.holes) {
-            (3, _) => self.polygons.push(polygon),
-            (4, _) if self.face_cost(&polygon) < FAULT_COST => self.polygons.push(polygon),
-            (5.., Holes::Leave) => self.polygons.push(polygon),
-            (k, holes) if k <= LARGEST || holes == Holes::Triangles => self.split_polygon(&polygon, &region),
-            _ => {
-                self.split_region(&region);
-            }
+        if self.is_kept(&polygon) {
+            self.polygons.push(polygon);
+        } else if polygon.len() <= LARGEST || self.holes == Holes::Triangles {
+            self.split_polygon(&polygon, region);
+        } else {
+            self.split_region(region);
         }
         usize::from(is_hole)
+    }
+
+    /// Whether an outline is a face as it is.
+    fn is_kept(&self, polygon: &[u32]) -> bool {
+        match polygon.len() {
+            3 => true,
+            4 => self.face_cost(polygon) < FAULT_COST,
+            _ => self.holes == Holes::Leave,
+        }
     }
 
     /// The outline of a region; `None` unless it is one simple loop and no vertex lies inside.
@@ -197,9 +220,9 @@ impl<'a> Filler<'a> {
         region.iter().for_each(|&f| self.visited[f as usize] = false);
         let mut count = 0;
         for &face in region {
-            if !self.visited[face as usize] {
-                let part = self.region(face);
-                count += self.fill(part);
+            let part = self.region(face);
+            if !part.is_empty() {
+                count += self.fill(&part);
             }
         }
         count

@@ -13,24 +13,23 @@
 use crate::surface::nearest::{EQUALLY_NEAR, Triangles, squared_distance};
 use crate::surface::{NONE, Surface};
 use glam::DVec3;
-use std::sync::OnceLock;
 
 /// The cosine of the largest angle between a face and the sheets at its corners that needs no search: 60 degrees.
 const AGREEMENT: f64 = 0.5;
 /// A sum of cosines smaller than this counts as none: the triangles are perpendicular to the face, but for roundings.
 const PERPENDICULAR: f64 = 1e-3;
 
-/// The orientation of a surface; the first search builds a tree of its triangles.
+/// The orientation of a surface, with a tree of its triangles.
 pub(crate) struct Orientation<'a> {
     surface: &'a Surface,
-    triangles: OnceLock<Triangles>,
+    triangles: Triangles,
     /// Whether the nearest triangles decide, whatever sheets are known at the corners of a face.
     nearest_decides: bool,
 }
 
 impl<'a> Orientation<'a> {
     pub(crate) fn new(surface: &'a Surface) -> Self {
-        Self { surface, triangles: OnceLock::new(), nearest_decides: false }
+        Self { surface, triangles: Triangles::new(surface), nearest_decides: false }
     }
 
     /// From now on the nearest triangles decide, whatever sheets are known at the corners of a face.
@@ -40,7 +39,7 @@ impl<'a> Orientation<'a> {
 
     /// The tree of the surface's triangles.
     pub(crate) fn triangles(&self) -> &Triangles {
-        self.triangles.get_or_init(|| Triangles::new(self.surface))
+        &self.triangles
     }
 
     /// Whether a face with these corners, counter-clockwise and unit-sized, is inverted. `sheets` names the triangles of the

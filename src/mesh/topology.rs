@@ -54,13 +54,13 @@ pub(super) struct Connectivity {
 
 impl Connectivity {
     pub fn of(mesh: &Mesh) -> Self {
-        let (edges, fans) = (mesh.edges(), fans(mesh));
+        let ((edges, components), fans) = rayon::join(|| (mesh.edges(), components(mesh)), || fans(mesh));
         let loops = boundary_loops(mesh, &edges);
         let used = fans.iter().filter(|fans| **fans > 0).count();
         let topology = Topology {
             euler: used as i64 - edges.len() as i64 + mesh.face_count() as i64,
             boundary_loops: loops.len(),
-            components: components(mesh),
+            components,
         };
         Self { edges, fans, loops, topology }
     }

@@ -361,9 +361,9 @@ impl<'a> Edit<'a> {
 }
 
 impl Change {
-    /// Changes a mesh, and moves free vertices over the surface towards `targets`; returns the ids of the added faces. Vertices
-    /// have the ids of the edit.
-    pub(crate) fn make(&self, mesh: &mut SurfaceMesh, surface: &Surface, targets: &[(u32, DVec3)]) -> Vec<u32> {
+    /// Changes a mesh, and moves free vertices over the surface towards `targets`. Vertices have the ids of the
+    /// edit.
+    pub(crate) fn make(&self, mesh: &mut SurfaceMesh, surface: &Surface, targets: &[(u32, DVec3)]) {
         let (first_vertex, first_face) = (mesh.vertices().len() as u32, mesh.face_bound() as u32);
         let final_id = |id: u32, first: u32| if id >= NEW { id - NEW + first } else { id };
         for (vertex, like) in &self.vertices {
@@ -384,7 +384,6 @@ impl Change {
                 mesh.set_position(v, &position, surface);
             }
         }
-        (first_face..mesh.face_bound() as u32).collect()
     }
 }
 

@@ -248,8 +248,10 @@ struct Evaluation {
     gain: f64,
     /// The points of the vertices that relaxed.
     targets: Vec<(u32, glam::DVec3)>,
-    /// The faces of the mesh that it depends on.
+    /// The faces of the mesh that it changes, and those at their vertices.
     neighbourhood: Vec<u32>,
+    /// All faces of the mesh that it depends on.
+    dependencies: Vec<u32>,
 }
 
 impl<'a> Engine<'a> {
@@ -299,6 +301,7 @@ impl<'a> Engine<'a> {
             let mut candidates: Vec<Candidate> = waiting.par_iter().filter_map(best).collect();
             candidates.sort_by(|a, b| b.evaluation.gain.total_cmp(&a.evaluation.gain));
             let mut changed: FxHashSet<u32> = FxHashSet::default();
+            let mut measured: FxHashSet<u32> = FxHashSet::default();
             let mut again = Vec::new();
             for Candidate { face, kind, change, evaluation } in candidates {
                 if evaluation.neighbourhood.iter().any(|face| changed.contains(face)) {
@@ -308,7 +311,10 @@ impl<'a> Engine<'a> {
                 let edit = Edit::with(self.mesh, change);
                 let excess = self.excess + edit.growth();
                 // An earlier edit of the round may have moved vertices near this one.
-                let evaluation = self.evaluate(&edit).filter(|evaluation| evaluation.gain > LEAST_GAIN);
+                let evaluation = match evaluation.dependencies.iter().any(|face| measured.contains(face)) {
+                    true => self.evaluate(&edit).filter(|evaluation| evaluation.gain > LEAST_GAIN),
+                    false => Some(evaluation),
+                };
                 let Some(evaluation) = evaluation.filter(|evaluation| self.holds(&edit, evaluation)) else { continue };
                 if excess.abs() > self.excess.abs().max(most_excess) && evaluation.gain < FAULT_GAIN {
                     continue;
@@ -316,7 +322,10 @@ impl<'a> Engine<'a> {
                 changed.extend(edit.changed().map(|(face, _)| face).filter(|face| *face < NEW));
                 again.extend(&evaluation.neighbourhood);
                 let change = edit.into_change();
-                again.extend(self.make(&change, &evaluation.targets));
+                let first_added = self.mesh.face_bound() as u32;
+                let faces = self.make(&change, &evaluation.targets);
+                again.extend(faces.iter().filter(|face| **face >= first_added));
+                measured.extend(faces);
                 self.excess = excess;
                 self.counts.count(kind);
             }
@@ -354,8 +363,9 @@ impl<'a> Engine<'a> {
         let regularity = self.options.regularity;
         let regularity_gain = if regularity > 0.0 { regularity * self.irregularity_removed(edit) } else { 0.0 };
         let gain = gain(before, after) + regularity_gain - self.chord_loss(edit);
-        let neighbourhood = relaxed.neighbourhood.into_iter().filter(|face| *face < NEW).collect();
-        Some(Evaluation { gain, targets: relaxed.targets, neighbourhood })
+        let old = |faces: Vec<u32>| faces.into_iter().filter(|face| *face < NEW).collect();
+        let [neighbourhood, dependencies] = [relaxed.neighbourhood, relaxed.dependencies].map(old);
+        Some(Evaluation { gain, targets: relaxed.targets, neighbourhood, dependencies })
     }
 
     /// Whether an edit adds no fault once its vertices have walked to their places. On small triangles and beside features a
@@ -399,23 +409,23 @@ impl<'a> Engine<'a> {
         edit.touched().into_iter().map(|v| was(v) - squared(edit, v)).sum()
     }
 
-    /// Makes a change and measures the faces that it touches; returns the added faces.
+    /// Makes a change and measures the faces that it touches; returns them.
     fn make(&mut self, change: &Change, targets: &[(u32, glam::DVec3)]) -> Vec<u32> {
         let first_vertex = self.mesh.vertices().len() as u32;
         let edit = Edit::with(self.mesh, change.clone());
         let mut touched = edit.touched();
         touched.extend(targets.iter().map(|&(v, _)| v));
         let removed: Vec<u32> = edit.changed().map(|(face, _)| face).filter(|face| *face < NEW).collect();
-        let added = change.make(self.mesh, self.surface(), targets);
+        change.make(self.mesh, self.surface(), targets);
         touched.iter_mut().filter(|v| **v >= NEW).for_each(|v| *v = *v - NEW + first_vertex);
         let mut faces: Vec<u32> = touched.iter().flat_map(|&v| self.mesh.around(v)).copied().chain(removed).collect();
         faces.sort_unstable();
         faces.dedup();
         self.measures.resize_with(self.mesh.face_bound(), || Measure::of(&[], None, None, || false));
-        for face in faces {
+        for &face in &faces {
             self.measures[face as usize] = self.mesh.measure(self.context, face);
         }
-        added
+        faces
     }
 }
 

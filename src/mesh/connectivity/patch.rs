@@ -32,6 +32,8 @@ pub(crate) struct Relaxed {
     pub least_after: f64,
     /// The changed faces and those at their vertices.
     pub neighbourhood: Vec<u32>,
+    /// All faces that the scores depend on.
+    pub dependencies: Vec<u32>,
 }
 
 /// Relaxes the vertices near an edit, and measures the patch. `known` are the measures of the faces of the mesh; `price` is the
@@ -51,6 +53,7 @@ pub(crate) fn relaxed(context: &Context, edit: &Edit, known: &[Measure], price: 
         after: new.iter().map(|measure| measure.score(price)).sum(),
         least_before: least(&mut old.into_iter()),
         least_after: least(&mut new.iter()),
+        dependencies: removed().chain(patch.faces.iter().copied()).collect(),
         neighbourhood: removed().chain(patch.faces[..patch.first_ring].iter().copied()).collect(),
         targets: patch.free.iter().map(|&v| (patch.vertices[v], patch.points[v])).collect(),
     }
