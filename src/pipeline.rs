@@ -22,6 +22,7 @@ use crate::mesh::connectivity::{ConnectivityOptions, EditCounts, Quads, optimise
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::finish::{Finished, finish, joined};
 use crate::mesh::relocate::relocate;
+use crate::mesh::snap::snap;
 use crate::mesh::triangulate::triangulate;
 use crate::mesh::{Context, Mesh, SurfaceMesh, Triangulation};
 use crate::mosaic::{self, Effort, Mosaic, MosaicBuilder};
@@ -261,6 +262,9 @@ fn meshed(
     relocate(&context, &mut mesh, options.smoothing);
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits) {
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
+    }
+    if options.smoothing > 0 {
+        snap(&context, &mut mesh);
     }
     mesh = mesh.compacted();
     let mut opposed = mesh.opposed_faces(&context);

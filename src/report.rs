@@ -14,7 +14,7 @@ use crate::mesh::triangulate::Triangulation;
 use crate::mosaic::{Mosaic, quality::TileQuality};
 use crate::parametrize::RowEnds;
 use crate::pipeline::{Fineness, Options, Outcome};
-use crate::surface::{Repairs, Surface};
+use crate::surface::{Curve, Reason, Repairs, Surface};
 use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::time::Duration;
@@ -76,6 +76,28 @@ pub struct Input {
     pub curves: usize,
     /// Corners: ends, junctions and sharp turns of feature curves.
     pub corners: usize,
+    /// The length of the feature curves, in model units.
+    pub curve_length: f64,
+    /// Creases that are no features, as they do not persist at the scale of a tile.
+    pub dropped: DroppedCreases,
+}
+
+/// Creases that are no features, by reason.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct DroppedCreases {
+    /// Creases too short for tiles, were they sharp.
+    pub short: Creases,
+    /// Creases at which the surface turns too little at the scale of a tile.
+    pub weak: Creases,
+}
+
+/// Some creases.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Creases {
+    /// Their number.
+    pub count: usize,
+    /// Their length, in model units.
+    pub length: f64,
 }
 
 /// The wanted fineness.
@@ -385,13 +407,24 @@ impl Input {
     fn new(name: &str, surface: &Surface) -> Self {
         Self {
             name: name.to_owned(),
-            triangles: surface.triangle_count(),
-            vertices: surface.vertex_count(),
+            triangles: surface.undivided().triangles,
+            vertices: surface.undivided().vertices,
             diagonal: surface.frame().diagonal,
             repairs: surface.repairs().clone(),
             curves: surface.features().curves().len(),
             corners: surface.features().corners().count(),
+            curve_length: surface.frame().diagonal * surface.features().curves().iter().map(Curve::length).sum::<f64>(),
+            dropped: DroppedCreases { short: dropped(surface, Reason::Short), weak: dropped(surface, Reason::Weak) },
         }
+    }
+}
+
+/// The creases of a surface that were dropped for a reason.
+fn dropped(surface: &Surface, reason: Reason) -> Creases {
+    let edges = || surface.dropped_edges().iter().filter(|edge| edge.reason == reason);
+    Creases {
+        count: edges().map(|edge| edge.crease).collect::<FxHashSet<u32>>().len(),
+        length: surface.frame().diagonal * edges().map(|edge| surface.length(edge.half_edge)).sum::<f64>(),
     }
 }
 

@@ -7,9 +7,10 @@ use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct FeatureArguments {
-    /// Dihedral angle in degrees (1 to 180) over which an edge of the surface is a crease that the mesh keeps; 180: none is
-    #[arg(long, value_name = "ANGLE", default_value_t = 40.0, value_parser = degrees::<180>, help_heading = "Features")]
-    crease: f64,
+    /// Dihedral angle in degrees (1 to 180) over which an edge of the surface is a crease that the mesh keeps; 180: none is.
+    /// Without this option the angle is 40, and a crease is kept only where the surface turns sharply at the scale of a tile too
+    #[arg(long, value_name = "ANGLE", value_parser = degrees::<180>, help_heading = "Features")]
+    crease: Option<f64>,
     /// Ignore the borders of regions (OBJ groups, STL solids); the faces of the mesh still have the names of their regions
     #[arg(long, help_heading = "Features")]
     ignore_regions: bool,
@@ -22,7 +23,13 @@ pub struct FeatureArguments {
 impl FeatureArguments {
     /// The options of features.
     pub fn options(&self) -> FeatureOptions {
-        FeatureOptions { crease: self.crease, region_borders: !self.ignore_regions, ..FeatureOptions::default() }
+        let default = FeatureOptions::default();
+        FeatureOptions {
+            crease: self.crease.unwrap_or(default.crease),
+            every_crease: self.crease.is_some(),
+            region_borders: !self.ignore_regions,
+            ..default
+        }
     }
 
     /// The edges that are features at any angle.

@@ -3,7 +3,9 @@
 use quadmosaic::mesh::compare::{Comparison, Difference, Farthest, FeatureDistance};
 use quadmosaic::mesh::connectivity::EditCounts;
 use quadmosaic::mesh::quality::{Quality, Spread};
-use quadmosaic::report::{Against, Asked, CheckReport, FieldFigures, FieldReport, Input, MosaicReport, Report};
+use quadmosaic::report::{
+    Against, Asked, CheckReport, Creases, DroppedCreases, FieldFigures, FieldReport, Input, MosaicReport, Report,
+};
 use quadmosaic::surface::{Repairs, shown};
 
 /// The figures of a run.
@@ -148,7 +150,13 @@ fn surface(input: &Input) -> String {
 }
 
 fn features(input: &Input) -> String {
-    format!("{}, {}", counted(input.curves, "curve"), counted(input.corners, "corner"))
+    let DroppedCreases { short, weak } = input.dropped;
+    let of = |creases: Creases, name: &str| format!("{} {name} ({:.4} long)", creases.count, creases.length);
+    let dropped = match short.count + weak.count {
+        0 => String::new(),
+        count => format!("; {} dropped: {}, {}", counted(count, "crease"), of(short, "short"), of(weak, "weak")),
+    };
+    format!("{}, {}{dropped}", counted(input.curves, "curve"), counted(input.corners, "corner"))
 }
 
 fn field(figures: &FieldFigures) -> String {

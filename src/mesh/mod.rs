@@ -23,6 +23,7 @@ pub mod quality;
 mod read;
 mod regions;
 pub mod relocate;
+pub mod snap;
 mod surface_mesh;
 mod topology;
 pub mod triangulate;

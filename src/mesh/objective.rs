@@ -148,6 +148,11 @@ impl Measure {
         Self { shape, is_fault, normal, corners: corners.len() as u8 }
     }
 
+    /// The shape of the face, 0 where it is a fault.
+    pub(crate) fn shape_unless_fault(&self) -> f64 {
+        if self.is_fault { 0.0 } else { self.shape }
+    }
+
     /// The score of the face; a triangle has a price.
     pub(crate) fn score(&self, triangle_price: f64) -> Score {
         let below = |shape: f64| BELOW_FLOOR * ((FLOOR - shape).max(0.0) / FLOOR).powi(2);

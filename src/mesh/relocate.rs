@@ -52,22 +52,14 @@ pub fn relocate(context: &Context, mesh: &mut SurfaceMesh, passes: usize) {
         return;
     }
     let mut sweeps = match_shapes(context, mesh, passes);
-    for _ in 0..ROUNDS {
-        sweeps.sweep(mesh, Step::Search(IMPERFECT));
-    }
-    for _ in 0..POOR_ROUNDS {
-        if !sweeps.sweep(mesh, Step::Search(POOR)) {
-            break;
-        }
-    }
+    sweeps.search_imperfect(mesh);
+    sweeps.search_poor(mesh);
 }
 
 /// Relocates the vertices by `passes` of shape matching alone.
 pub(crate) fn match_shapes<'a>(context: &'a Context<'a>, mesh: &mut SurfaceMesh, passes: usize) -> Sweeps<'a> {
     let mut sweeps = Sweeps::new(context, mesh);
-    for _ in 0..passes {
-        sweeps.sweep(mesh, Step::Match);
-    }
+    sweeps.match_shapes(mesh, passes);
     sweeps
 }
 
@@ -93,7 +85,7 @@ pub(crate) struct Sweeps<'a> {
 }
 
 impl<'a> Sweeps<'a> {
-    fn new(context: &'a Context<'a>, mesh: &SurfaceMesh) -> Self {
+    pub(crate) fn new(context: &'a Context<'a>, mesh: &SurfaceMesh) -> Self {
         let all = 0..mesh.face_bound() as u32;
         Self {
             context,
@@ -107,6 +99,49 @@ impl<'a> Sweeps<'a> {
     /// The measures of the faces as they are.
     pub(crate) fn into_measures(self) -> Vec<Measure> {
         self.measures
+    }
+
+    /// Keeps vertices where they are: those that `is_held` marks.
+    pub(crate) fn hold(&mut self, is_held: &[bool]) {
+        self.colours.iter_mut().for_each(|set| set.retain(|&v| !is_held[v as usize]));
+    }
+
+    /// Passes of shape matching.
+    pub(crate) fn match_shapes(&mut self, mesh: &mut SurfaceMesh, passes: usize) {
+        (0..passes).for_each(|_| {
+            self.sweep(mesh, Step::Match);
+        });
+    }
+
+    /// Searches at the vertices of imperfect faces.
+    pub(crate) fn search_imperfect(&mut self, mesh: &mut SurfaceMesh) {
+        (0..ROUNDS).for_each(|_| {
+            self.sweep(mesh, Step::Search(IMPERFECT));
+        });
+    }
+
+    /// Searches at the vertices of poor faces, until none moves.
+    pub(crate) fn search_poor(&mut self, mesh: &mut SurfaceMesh) {
+        for _ in 0..POOR_ROUNDS {
+            if !self.sweep(mesh, Step::Search(POOR)) {
+                break;
+            }
+        }
+    }
+
+    /// The least shape of the faces at a vertex, 0 where one is a fault, as it is and with the vertex at a position.
+    pub(crate) fn least_shapes(&self, mesh: &SurfaceMesh, v: u32, position: &Position) -> [f64; 2] {
+        let view = View { sweeps: self, mesh };
+        let moved = mesh.around(v).iter().map(|&f| view.measure(f, Some((v, position))).shape_unless_fault());
+        [view.worst(v), moved.fold(1.0, f64::min)]
+    }
+
+    /// Moves a vertex to a position, and measures its faces.
+    pub(crate) fn put(&mut self, mesh: &mut SurfaceMesh, v: u32, position: &Position) {
+        mesh.set_position(v, position, self.context.surface);
+        for &f in mesh.around(v) {
+            self.measures[f as usize] = View { sweeps: self, mesh }.measure(f, None);
+        }
     }
 
     /// Visits each waiting vertex once, colour by colour; returns whether any has moved.
@@ -167,7 +202,7 @@ impl View<'_> {
     /// The least shape of the faces at a vertex, 0 where one is a fault.
     fn worst(&self, v: u32) -> f64 {
         let measures = self.mesh.around(v).iter().map(|&f| &self.sweeps.measures[f as usize]);
-        measures.map(|m| if m.is_fault { 0.0 } else { m.shape }).fold(1.0, f64::min)
+        measures.map(Measure::shape_unless_fault).fold(1.0, f64::min)
     }
 
     /// A better position of a vertex, if one is found.

@@ -6,7 +6,7 @@
 //! surface).
 
 use super::split::{EdgePoint, Split};
-use super::{FeatureOptions, Features, Surface};
+use super::{DroppedEdge, FeatureOptions, Features, Surface};
 use rustc_hash::FxHashMap;
 
 /// Triangles of a worse shape than this are thin.
@@ -77,10 +77,14 @@ impl Surface {
         let features = (0..split.parts.len() as u32).filter(|&h| self.features.is_feature(h));
         features.flat_map(|h| parts(&h)).chain(split.on_lines.iter().copied()).for_each(|h| marked[h as usize] = true);
         self.named = self.named.iter().flat_map(parts).collect();
+        let dropped = |&edge: &DroppedEdge| {
+            parts(&edge.half_edge).into_iter().map(move |half_edge| DroppedEdge { half_edge, ..edge })
+        };
+        self.dropped = self.dropped.iter().flat_map(dropped).collect();
         self.name(split.on_lines);
         self.regions = self.regions.of(&split.sources);
         self.same_place.extend(self.points.len() as u32..split.points.len() as u32);
         (self.points, self.triangles, self.twins) = (split.points, split.triangles, split.twins);
-        self.features = Features::along(self, marked, options.corner);
+        self.features = Features::along(self, marked, options.corner, self.features.reach);
     }
 }

@@ -3,12 +3,17 @@
 use super::curve::Curve;
 use super::{NONE, Surface, next};
 use crate::geometry::dot;
+use glam::DVec3;
+use rayon::prelude::*;
 
 /// What counts as a feature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeatureOptions {
     /// Dihedral angle in degrees over which an edge is a crease; 180 or more: none is. Default 40.
     pub crease: f64,
+    /// Whether each crease longer than about a tile is a feature, even where the surface hardly turns at the scale of a tile.
+    /// Default false.
+    pub every_crease: bool,
     /// Turning angle in degrees over which a point of a feature curve is a corner. Default 50.
     pub corner: f64,
     /// Angle in degrees over which a smooth surface that turns within one tile has a ridge; 180 or more: it has none.
@@ -20,8 +25,30 @@ pub struct FeatureOptions {
 
 impl Default for FeatureOptions {
     fn default() -> Self {
-        Self { crease: 40.0, corner: 50.0, ridge: 60.0, region_borders: true }
+        Self { crease: 40.0, every_crease: false, corner: 50.0, ridge: 60.0, region_borders: true }
     }
+}
+
+/// An edge of a crease that is no feature, as it does not persist at the scale of a tile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DroppedEdge {
+    /// One of its half-edges.
+    pub half_edge: u32,
+    /// The crease, counted from 0.
+    pub crease: u32,
+    /// The angle in degrees by which the surface turns across it at the scale of a tile; negative where it is concave.
+    pub turn: f32,
+    /// Why its crease was dropped.
+    pub reason: Reason,
+}
+
+/// The reason why a crease was dropped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// Were it sharp, it would still be too short.
+    Short,
+    /// At the scale of a tile the surface turns too little.
+    Weak,
 }
 
 /// The features of a surface.
@@ -30,28 +57,39 @@ pub struct Features {
     marked: Vec<bool>,
     curves: Vec<Curve>,
     is_corner: Vec<bool>,
+    /// The arc length, unit-sized, over which a curve must turn on either side of a corner.
+    pub(super) reach: f64,
 }
 
 impl Features {
     /// Finds creases and boundaries and chains them.
     pub(super) fn find(surface: &Surface, options: &FeatureOptions) -> Self {
-        Self::along(surface, mark(surface, options.crease), options.corner)
+        Self::along(surface, mark(surface, options.crease), options.corner, 0.0)
     }
 
-    /// Chains the marked half-edges into curves that turn by at most `corner` degrees between corners.
-    pub(super) fn along(surface: &Surface, marked: Vec<bool>, corner: f64) -> Self {
+    /// Chains the marked half-edges into curves that turn by at most `corner` degrees between corners. A turn that a curve takes
+    /// back within `reach`, unit-sized, is no corner.
+    pub(super) fn along(surface: &Surface, marked: Vec<bool>, corner: f64, reach: f64) -> Self {
         let edges = Incidence::new(surface, &marked);
         let cos_corner = corner.to_radians().cos();
-        let mut is_corner: Vec<bool> = (0..surface.vertex_count() as u32)
-            .map(|v| match *edges.at(v) {
-                [] => false,
-                [a, b] => turning_cosine(surface, v, a, b) < cos_corner,
-                _ => true,
-            })
-            .collect();
+        let is_end: Vec<bool> =
+            (0..surface.vertex_count() as u32).map(|v| ![0, 2].contains(&edges.at(v).len())).collect();
+        let is_corner = |v: u32| match *edges.at(v) {
+            [a, b] => {
+                let ways = [a, b].map(|edge| edges.run(surface, v, edge, &is_end));
+                is_sharp(surface, v, ways, reach, cos_corner)
+            }
+            _ => is_end[v as usize],
+        };
+        let mut is_corner: Vec<bool> = (0..surface.vertex_count() as u32).into_par_iter().map(is_corner).collect();
         share_corners(surface, &edges, &mut is_corner);
         let curves = chain(surface, &edges, &is_corner);
-        Self { marked, curves, is_corner }
+        Self { marked, curves, is_corner, reach }
+    }
+
+    /// Whether each half-edge lies on a feature.
+    pub(super) fn marked(&self) -> Vec<bool> {
+        self.marked.clone()
     }
 
     /// Whether a half-edge lies on a feature (boundary half-edges do).
@@ -117,6 +155,22 @@ impl Incidence {
         Self { starts, edges: incident }
     }
 
+    /// The vertices along a curve from `start` on, over an edge at it, up to an end or round to the start.
+    fn run<'a>(
+        &'a self,
+        surface: &'a Surface,
+        start: u32,
+        edge: u32,
+        is_end: &'a [bool],
+    ) -> impl Iterator<Item = u32> + 'a {
+        let step = |edge: u32, from: u32| (edge, other_end(surface, edge, from));
+        let next = move |&(edge, at): &(u32, u32)| match *self.at(at) {
+            [a, b] if at != start && !is_end[at as usize] => Some(step(if a == edge { b } else { a }, at)),
+            _ => None,
+        };
+        std::iter::successors(Some(step(edge, start)), next).map(|(_, at)| at)
+    }
+
     fn at(&self, vertex: u32) -> &[u32] {
         &self.edges[self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
     }
@@ -146,16 +200,45 @@ fn share_corners(surface: &Surface, edges: &Incidence, is_corner: &mut [bool]) {
     }
 }
 
-fn other_end(surface: &Surface, half_edge: u32, vertex: u32) -> u32 {
+/// The end of an edge that is not `vertex`.
+pub(super) fn other_end(surface: &Surface, half_edge: u32, vertex: u32) -> u32 {
     let origin = surface.origin(half_edge);
     if origin == vertex { surface.origin(next(half_edge)) } else { origin }
 }
 
-/// The cosine of the angle by which the curve through edges `a` and `b` turns at `vertex`.
-pub(super) fn turning_cosine(surface: &Surface, vertex: u32, a: u32, b: u32) -> f64 {
-    let here = surface.points[vertex as usize].as_dvec3();
-    let [p, q] = [a, b].map(|h| surface.points[other_end(surface, h, vertex) as usize].as_dvec3());
-    (here - p).normalize_or_zero().dot((q - here).normalize_or_zero())
+/// Whether the curve that runs through a vertex has a sharp turn there: between its two edges, and between its points at an arc
+/// length of `reach` on either side. `ways` are the vertices along it in both directions.
+pub(super) fn is_sharp(
+    surface: &Surface,
+    vertex: u32,
+    ways: [impl Iterator<Item = u32>; 2],
+    reach: f64,
+    cos_corner: f64,
+) -> bool {
+    let place = |v: u32| surface.points[v as usize].as_dvec3();
+    let here = place(vertex);
+    let [(a, p), (b, q)] = ways.map(|way| {
+        let mut way = way.map(place).peekable();
+        let first = way.peek().copied().unwrap_or(here);
+        (first, at_arc(here, way, reach))
+    });
+    let turns = |p: DVec3, q: DVec3| (here - p).normalize_or_zero().dot((q - here).normalize_or_zero()) < cos_corner;
+    turns(a, b) && turns(p, q)
+}
+
+/// The point of a polyline at an arc length from its start, on its first side or beyond; its end where it is shorter.
+fn at_arc(start: DVec3, mut rest: impl Iterator<Item = DVec3>, arc: f64) -> DVec3 {
+    let mut here = rest.next().unwrap_or(start);
+    let mut left = arc - here.distance(start);
+    for next in rest {
+        let length = next.distance(here);
+        if left <= 0.0 {
+            break;
+        }
+        here = here.lerp(next, (left / length).min(1.0));
+        left -= length;
+    }
+    here
 }
 
 fn chain(surface: &Surface, edges: &Incidence, is_corner: &[bool]) -> Vec<Curve> {

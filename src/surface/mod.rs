@@ -16,6 +16,7 @@ mod features;
 pub mod load;
 mod named_edges;
 pub(crate) mod nearest;
+mod persistence;
 mod polygon;
 pub(crate) mod records;
 mod regions;
@@ -23,14 +24,14 @@ mod repairs;
 mod ridges;
 pub(crate) mod sampling;
 mod split;
-mod tiny;
+mod turning;
 mod walk;
 mod weld;
 
 pub use curve::Curve;
 pub(crate) use curve::shared_curves;
 pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
-pub use features::{FeatureOptions, Features};
+pub use features::{DroppedEdge, FeatureOptions, Features, Reason};
 pub use regions::Regions;
 pub use repairs::{Repair, Repairs};
 pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
@@ -38,6 +39,7 @@ pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, 
 use crate::geometry::{cross, dot, unit};
 use adjacency::Adjacency;
 use glam::{DVec3, Vec3};
+use persistence::Persistent;
 use thiserror::Error;
 use weld::Welded;
 
@@ -174,6 +176,9 @@ pub struct Surface {
     same_place: Vec<u32>,
     regions: Regions,
     features: Features,
+    /// The edges of the creases that are no features.
+    dropped: Vec<DroppedEdge>,
+    undivided: Undivided,
     frame: Frame,
     repairs: Repairs,
 }
@@ -197,6 +202,8 @@ impl Surface {
             same_place,
             regions: soup.regions.of(&sources),
             features,
+            dropped: Vec::new(),
+            undivided: Undivided::default(),
             frame,
             repairs,
         };
@@ -204,6 +211,7 @@ impl Surface {
             surface.name(surface.region_borders());
         }
         surface.features = Features::find(&surface, options);
+        surface.undivided = Undivided { triangles: surface.triangle_count(), vertices: surface.vertex_count() };
         Ok(surface)
     }
 
@@ -224,10 +232,13 @@ impl Surface {
         Ok(self)
     }
 
-    /// The same surface with the features for tiles of side `h`, unit-sized: ridges become edges, and creases that are too small
-    /// are dropped.
+    /// The same surface with the features for tiles of side `h`, unit-sized: creases that do not persist are dropped, turns that
+    /// a curve takes back within a tile are no corners, and ridges become edges.
     pub fn fitted(mut self, options: &FeatureOptions, h: f32) -> Self {
-        self.features = Features::along(&self, tiny::without_tiny(&self, options.corner, f64::from(h)), options.corner);
+        let along = |surface: &Self, marked| Features::along(surface, marked, options.corner, f64::from(h));
+        self.features = along(&self, self.features.marked());
+        let Persistent { marked, dropped } = persistence::persistent(&self, options, f64::from(h));
+        (self.features, self.dropped) = (along(&self, marked), dropped);
         if options.ridge < 180.0 {
             let lines = ridges::ridges(&self, f64::from(h), options.ridge);
             if !lines.is_empty() {
@@ -269,6 +280,16 @@ impl Surface {
     /// Feature edges, curves and corners.
     pub fn features(&self) -> &Features {
         &self.features
+    }
+
+    /// The edges of the creases that are no features, as they do not persist at the scale of a tile.
+    pub fn dropped_edges(&self) -> &[DroppedEdge] {
+        &self.dropped
+    }
+
+    /// The numbers of triangles and vertices before triangles were divided.
+    pub fn undivided(&self) -> Undivided {
+        self.undivided
     }
 
     /// The number of triangles.
@@ -346,6 +367,16 @@ impl Surface {
         let [a, b] = [self.origin(half_edge), self.target(half_edge)].map(|v| self.points[v as usize].as_dvec3());
         a.distance(b)
     }
+}
+
+/// The numbers of triangles and vertices of a surface after repairs, before triangles were divided along ridges and where they
+/// are long.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Undivided {
+    /// Triangles.
+    pub triangles: usize,
+    /// Vertices.
+    pub vertices: usize,
 }
 
 /// A point of a surface: its triangle, and its place in unit-sized coordinates.

@@ -56,6 +56,18 @@ pub(crate) fn walk_on(
     displacement: Vec3,
     edges: u32,
 ) -> SurfacePoint {
+    walk_through(triangles, triangle, position, displacement, edges, |_, _| ())
+}
+
+/// As [`walk`]. `passed` receives each triangle in turn, with the share of the displacement that lies in it.
+pub(super) fn walk_through(
+    triangles: &impl Walkable,
+    triangle: u32,
+    position: Vec3,
+    displacement: Vec3,
+    edges: u32,
+    mut passed: impl FnMut(u32, f32),
+) -> SurfacePoint {
     let mut t = triangle;
     let mut p = position;
     let mut heading = displacement;
@@ -84,6 +96,7 @@ pub(crate) fn walk_on(
             }
         }
         p += step * share;
+        passed(t, left * share);
         if exit == NONE {
             return SurfacePoint { triangle: t, position: onto_plane(p, corners[0], normal) };
         }

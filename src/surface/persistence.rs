@@ -1,0 +1,229 @@
+//! The persistence of creases at the scale of tiles: those that do not persist are no features.
+//!
+//! # Theory
+//! The persistence of a crease is its length in tile sides, each part weighted by the square of the angle by which the surface
+//! turns there [at the scale of a tile](super::turning). Convex and concave parts cancel. So a long sharp edge persists; a short
+//! one, the rims of a groove narrower than a tile, and creases of noise do not.
+//!
+//! The least persistent crease is dropped first. Two curves that are left at a corner and do not turn there become one, whose
+//! persistence is the sum: a long crease stays when its branches are dropped, and a weak part of it stays with the strong ones,
+//! which is hysteresis.
+//!
+//! # Practice
+//! Creases by angle alone are dropped, not open boundaries, seams, named edges, borders of regions or ridges. With
+//! [`FeatureOptions::every_crease`] the length alone counts.
+
+use super::turning::turn;
+use super::{Curve, DroppedEdge, FeatureOptions, NONE, Reason, Surface, features};
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// The least persistence of an open crease.
+const OPEN: f64 = 1.5;
+/// The least persistence of a closed crease, with one corner or none.
+const CLOSED: f64 = 4.0;
+/// A turn by this angle, in degrees, is none: smooth surfaces and noise turn by as much.
+const NO_TURN: f64 = 20.0;
+/// A turn by this angle more, in degrees, has the weight 1.
+const UNIT_TURN: f64 = 45.0;
+/// The largest weight, that of a sharp edge.
+const MOST_WEIGHT: f64 = 2.0;
+/// The length of the walks on either side, in tile sides.
+const REACH: f64 = 1.5;
+/// The distance between the points of a crease at which its turn is measured, in tile sides.
+const SPACING: f64 = 0.25;
+
+/// The features that persist, and the creases that do not.
+pub(super) struct Persistent {
+    /// Whether each half-edge is a feature.
+    pub marked: Vec<bool>,
+    /// The edges of the dropped creases.
+    pub dropped: Vec<DroppedEdge>,
+}
+
+/// The features of a surface that persist for tiles of a side, unit-sized.
+pub(super) fn persistent(surface: &Surface, options: &FeatureOptions, side: f64) -> Persistent {
+    let mut pieces = Pieces::new(surface, options, side);
+    let (mut dropped, mut creases) = (Vec::new(), 0..);
+    while let Some(Reverse((_, id))) = pieces.queue.pop() {
+        if let Some(reason) = pieces.reason_to_drop(id) {
+            let (edges, crease) = (pieces.drop_piece(id), creases.next().unwrap_or(u32::MAX));
+            dropped.extend(edges.into_iter().map(|(half_edge, turn)| DroppedEdge { half_edge, crease, turn, reason }));
+        }
+    }
+    let mut marked = vec![false; 3 * surface.triangle_count()];
+    for &(h, _) in pieces.list.iter().flatten().flat_map(|piece| &piece.edges) {
+        marked[h as usize] = true;
+        if surface.twins[h as usize] != NONE {
+            marked[surface.twins[h as usize] as usize] = true;
+        }
+    }
+    Persistent { marked, dropped }
+}
+
+/// The weight of a turn, in degrees; negative where it is concave.
+fn weight(turn: f64) -> f64 {
+    ((turn.abs() - NO_TURN).max(0.0) / UNIT_TURN).powi(2).min(MOST_WEIGHT).copysign(turn)
+}
+
+/// The half-edges of a crease, each with the turn in degrees at its first measured point, and the persistence of the crease.
+fn measured(surface: &Surface, half_edges: &[u32], side: f64) -> (Vec<(u32, f32)>, f64) {
+    let (spacing, reach) = (SPACING * side, (REACH * side) as f32);
+    // The rest of the distance to the next measured point, and the turn at the last one.
+    let (mut rest, mut last, mut sum) = (0.0, 0.0, 0.0);
+    let edges = half_edges.iter().map(|&h| {
+        let length = surface.length(h);
+        let (mut at, mut first) = (0.0, None);
+        while at < length {
+            if rest <= 0.0 {
+                let middle = at + (length - at).min(spacing) / 2.0;
+                last = turn(surface, h, (middle / length) as f32, reach).to_degrees();
+                rest = spacing;
+            }
+            let step = rest.min(length - at);
+            sum += weight(last) * step;
+            first = first.or(Some(last));
+            (rest, at) = (rest - step, at + step);
+        }
+        (h, first.unwrap_or(last) as f32)
+    });
+    (edges.collect(), sum / side)
+}
+
+/// A curve, or several in a row.
+struct Piece {
+    /// Its ends; none where it is closed.
+    ends: Option<[u32; 2]>,
+    /// Its half-edges from the first end to the last, each with its turn in degrees.
+    edges: Vec<(u32, f32)>,
+    /// In tile sides.
+    length: f64,
+    /// Negative where it is concave.
+    persistence: f64,
+    may_go: bool,
+}
+
+struct Pieces<'a> {
+    surface: &'a Surface,
+    cos_corner: f64,
+    list: Vec<Option<Piece>>,
+    /// The pieces that end at each corner; one that ends there twice is named twice.
+    at: FxHashMap<u32, Vec<u32>>,
+    /// Those that may go, the least persistent first, by the bits of their persistences.
+    queue: BinaryHeap<Reverse<(u64, u32)>>,
+}
+
+impl<'a> Pieces<'a> {
+    fn new(surface: &'a Surface, options: &FeatureOptions, side: f64) -> Self {
+        let cos_corner = options.corner.to_radians().cos();
+        let mut pieces =
+            Self { surface, cos_corner, list: Vec::new(), at: FxHashMap::default(), queue: BinaryHeap::new() };
+        let piece = |curve: &Curve| {
+            let is_kept = |&h: &u32| surface.twin(h).is_none() || surface.is_named(h);
+            let may_go = !curve.half_edges.iter().any(is_kept);
+            let length = curve.length() / side;
+            let (edges, persistence) = match may_go && !options.every_crease {
+                true => measured(surface, &curve.half_edges, side),
+                false => (curve.half_edges.iter().map(|&h| (h, 180.0)).collect(), MOST_WEIGHT * length),
+            };
+            let ends = (!curve.closed).then(|| [curve.vertices[0], curve.vertices[curve.vertices.len() - 1]]);
+            Piece { ends, edges, length, persistence, may_go }
+        };
+        let list: Vec<Piece> = surface.features.curves().par_iter().map(piece).collect();
+        list.into_iter().for_each(|piece| pieces.add(piece));
+        pieces
+    }
+
+    fn add(&mut self, piece: Piece) {
+        let id = self.list.len() as u32;
+        for &end in piece.ends.iter().flatten() {
+            self.at.entry(end).or_default().push(id);
+        }
+        self.list.push(Some(piece));
+        self.wait(id);
+    }
+
+    fn wait(&mut self, id: u32) {
+        if let Some(piece) = self.list[id as usize].as_ref().filter(|piece| piece.may_go) {
+            self.queue.push(Reverse((piece.persistence.abs().to_bits(), id)));
+        }
+    }
+
+    /// The reason to drop a piece; `None` where it persists or is dropped already.
+    fn reason_to_drop(&self, id: u32) -> Option<Reason> {
+        let piece = self.list[id as usize].as_ref()?;
+        let least = if piece.ends.is_none_or(|[start, end]| start == end) { CLOSED } else { OPEN };
+        let reason = if MOST_WEIGHT * piece.length < least { Reason::Short } else { Reason::Weak };
+        (piece.persistence.abs() < least).then_some(reason)
+    }
+
+    fn take(&mut self, id: u32) -> Option<Piece> {
+        let piece = self.list[id as usize].take()?;
+        for end in piece.ends.iter().flatten() {
+            if let Some(at) = self.at.get_mut(end) {
+                at.retain(|&other| other != id);
+            }
+        }
+        Some(piece)
+    }
+
+    /// Drops a piece, joins what it separated, and returns its edges.
+    fn drop_piece(&mut self, id: u32) -> Vec<(u32, f32)> {
+        let Some(dropped) = self.take(id) else { return Vec::new() };
+        for end in dropped.ends.into_iter().flatten() {
+            let left = self.at[&end].clone();
+            match *left {
+                [a, b] if a != b && self.goes_on(end, a, b) => self.merge(end, a, b),
+                _ => left.into_iter().for_each(|other| self.wait(other)),
+            }
+        }
+        dropped.edges
+    }
+
+    /// Whether two pieces pass straight through a vertex.
+    fn goes_on(&self, vertex: u32, a: u32, b: u32) -> bool {
+        let [Some(a), Some(b)] = [a, b].map(|id| self.list[id as usize].as_ref()) else { return false };
+        let ways = [a, b].map(|piece| piece.from(self.surface, vertex));
+        !features::is_sharp(self.surface, vertex, ways, self.surface.features.reach, self.cos_corner)
+    }
+
+    fn merge(&mut self, vertex: u32, a: u32, b: u32) {
+        let [Some(mut a), Some(mut b)] = [a, b].map(|id| self.take(id)) else { return };
+        // Both run on from the first's beginning to the second's end.
+        let far = |piece: &Piece| piece.ends.map_or(vertex, |[s, e]| if s == vertex { e } else { s });
+        let ends = [far(&a), far(&b)];
+        if a.ends.is_some_and(|[start, _]| start == vertex) {
+            a.edges.reverse();
+        }
+        if b.ends.is_some_and(|[_, end]| end == vertex) {
+            b.edges.reverse();
+        }
+        a.edges.append(&mut b.edges);
+        self.add(Piece {
+            ends: Some(ends),
+            edges: a.edges,
+            length: a.length + b.length,
+            persistence: a.persistence + b.persistence,
+            may_go: a.may_go && b.may_go,
+        });
+    }
+}
+
+impl Piece {
+    /// Its vertices from one of its ends on, without the end.
+    fn from(&self, surface: &Surface, end: u32) -> impl Iterator<Item = u32> {
+        let first = self.edges[0].0;
+        let is_forward = [surface.origin(first), surface.target(first)].contains(&end);
+        let (mut at, count) = (end, self.edges.len());
+        (0..count).map(move |k| {
+            let (h, _) = self.edges[if is_forward { k } else { count - 1 - k }];
+            at = features::other_end(surface, h, at);
+            at
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;
