@@ -14,7 +14,7 @@ use crate::mesh::triangulate::Triangulation;
 use crate::mosaic::{Mosaic, quality::TileQuality};
 use crate::parametrize::RowEnds;
 use crate::pipeline::{Fineness, Options, Outcome};
-use crate::surface::{Curve, Reason, Repairs, Surface};
+use crate::surface::{Curve, Denoised, Reason, Repairs, Surface};
 use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::time::Duration;
@@ -72,6 +72,8 @@ pub struct Input {
     pub diagonal: f64,
     /// The repairs that were made on it.
     pub repairs: Repairs,
+    /// How far its points moved when it was smoothed; `None` where it is not noisy.
+    pub denoised: Option<Denoised>,
     /// Feature curves: creases and open boundaries between corners.
     pub curves: usize,
     /// Corners: ends, junctions and sharp turns of feature curves.
@@ -411,6 +413,7 @@ impl Input {
             vertices: surface.undivided().vertices,
             diagonal: surface.frame().diagonal,
             repairs: surface.repairs().clone(),
+            denoised: surface.denoised(),
             curves: surface.features().curves().len(),
             corners: surface.features().corners().count(),
             curve_length: surface.frame().diagonal * surface.features().curves().iter().map(Curve::length).sum::<f64>(),

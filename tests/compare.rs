@@ -135,7 +135,7 @@ fn a_missing_face_is_a_hole_and_has_a_place() {
     // At the rim it is a bay: the boundary is as many curves as it was, but a corner of the surface is left uncovered.
     let (faults, comparison) = compared(&with_face(&grid(), 0, Vec::clear), &surface);
     assert_eq!(kinds(&faults), [Kind::IsolatedVertex { vertex: 0 }]);
-    assert!(comparison.differences.is_empty());
+    assert!(comparison.differences.iter().all(|difference| matches!(difference, Difference::Uncovered { .. })));
     assert!(near(comparison.to_mesh.distance, 1.0) && near_place(comparison.to_mesh.at, [0.0; 3]), "{comparison:?}");
 }
 
@@ -198,7 +198,8 @@ fn a_vertex_off_the_surface_is_found() {
 fn other_units_are_asked_about() {
     let said = |scale: f64| -> Vec<String> {
         let (_, comparison) = compared(&moved(&grid(), |point| point.map(|x| scale * x)), &ground());
-        comparison.differences.iter().map(ToString::to_string).collect()
+        let is_lost = |difference: &&Difference| matches!(difference, Difference::Uncovered { .. });
+        comparison.differences.iter().filter(|difference| !is_lost(difference)).map(ToString::to_string).collect()
     };
     assert_eq!(said(1000.0), ["the mesh is 1000 times larger than the surface; are the units the same?"]);
     assert_eq!(said(1.0 / 25.4), ["the mesh is 25 times smaller than the surface; are the units the same?"]);

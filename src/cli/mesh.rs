@@ -191,11 +191,14 @@ fn count_warning(report: &Report) -> Option<String> {
     let Asked::Points(asked) = report.asked else { return None };
     let found = report.mesh.vertices;
     (found.abs_diff(asked) as f64 > COUNT_TOLERANCE * asked as f64).then(|| {
-        format!(
-            "{found} vertices instead of {asked}: {} lie on features; ask for another number, or for fewer features by \
-             --crease",
-            report.mosaic.on_features
-        )
+        let on_features = report.mosaic.on_features;
+        let advice = match found > asked && 2 * on_features > asked {
+            true => format!(
+                ", as {on_features} tiles lie on features; ask for another number, or for fewer features by --crease"
+            ),
+            false => "; ask for another number".to_owned(),
+        };
+        format!("{found} vertices instead of {asked}{advice}")
     })
 }
 

@@ -6,7 +6,7 @@ use quadmosaic::mesh::quality::{Quality, Spread};
 use quadmosaic::report::{
     Against, Asked, CheckReport, Creases, DroppedCreases, FieldFigures, FieldReport, Input, MosaicReport, Report,
 };
-use quadmosaic::surface::{Repairs, shown};
+use quadmosaic::surface::{Denoised, Repairs, shown};
 
 /// The figures of a run.
 pub fn of_run(report: &Report) -> String {
@@ -15,7 +15,7 @@ pub fn of_run(report: &Report) -> String {
     let times: Vec<_> = report.times.iter().map(|time| format!("{} {:.0}", time.stage, time.milliseconds)).collect();
     lines(&[
         ("surface", surface(input)),
-        ("repairs", repairs(&input.repairs)),
+        ("repairs", repaired(input)),
         ("features", features(input)),
         ("field", field(&report.field)),
         ("vertices", format!("{} ({})", mesh.vertices, asked(report.asked))),
@@ -38,7 +38,7 @@ pub fn of_field(report: &FieldReport) -> String {
     let FieldReport { surface: input, field: figures, backend, .. } = report;
     lines(&[
         ("surface", surface(input)),
-        ("repairs", repairs(&input.repairs)),
+        ("repairs", repaired(input)),
         ("features", features(input)),
         ("field", field(figures)),
         ("backend", format!("{}, {}", backend.name, backend.adapter)),
@@ -50,7 +50,7 @@ pub fn of_mosaic(report: &MosaicReport) -> String {
     let MosaicReport { surface: input, field: figures, backend, fit, .. } = report;
     lines(&[
         ("surface", surface(input)),
-        ("repairs", repairs(&input.repairs)),
+        ("repairs", repaired(input)),
         ("features", features(input)),
         ("field", field(figures)),
         ("tiles", format!("{} ({}), {} on features", report.tiles, asked(report.asked), report.on_features)),
@@ -66,11 +66,7 @@ pub fn of_check(report: &CheckReport) -> String {
     let mut entries = report.mesh.as_ref().map(measures).unwrap_or_default();
     entries.push(("check", report.faults.to_string()));
     if let Some(Against { surface: input, comparison }) = &report.against {
-        entries.extend([
-            ("surface", surface(input)),
-            ("repairs", repairs(&input.repairs)),
-            ("features", features(input)),
-        ]);
+        entries.extend([("surface", surface(input)), ("repairs", repaired(input)), ("features", features(input))]);
         match comparison {
             Some(comparison) => entries.extend(compared(comparison)),
             None => entries.push(("Hausdorff", "none: the mesh has no extent".to_owned())),
@@ -147,6 +143,15 @@ fn asked(asked: Asked) -> String {
 fn surface(input: &Input) -> String {
     let Input { name, triangles, vertices, diagonal, .. } = input;
     format!("{name}: {}, {}, diagonal {diagonal:.4}", counted(*triangles, "triangle"), counted(*vertices, "vertex"))
+}
+
+/// The repairs, and the smoothing of noise.
+fn repaired(input: &Input) -> String {
+    let noise = input
+        .denoised
+        .map(|Denoised { mean, largest }| format!("noise smoothed: points moved by {mean:.3e}, at most {largest:.3e}"));
+    let repairs = Some(repairs(&input.repairs)).filter(|text| noise.is_none() || text != "none");
+    repairs.into_iter().chain(noise).collect::<Vec<_>>().join("; ")
 }
 
 fn features(input: &Input) -> String {

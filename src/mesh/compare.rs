@@ -102,6 +102,14 @@ pub enum Difference {
     Uncovered { distance: f64, at: [f64; 3] },
 }
 
+impl Difference {
+    /// The difference where the farthest point of the surface from the mesh makes one.
+    fn uncovered(farthest: Farthest) -> Option<Self> {
+        let Farthest { distance, at } = farthest;
+        (distance > UNCOVERED).then_some(Self::Uncovered { distance, at })
+    }
+}
+
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
@@ -150,9 +158,11 @@ pub fn check_against(mesh: &Mesh, surface: &Surface) -> (Faults, Option<Comparis
     let to_surface = vertices_to_surface.or(tested.edges(&reference).farthest(frame)).or(from_faces);
     let to_mesh = tested.distances(reference.points(), |point| faces.distance(point)).farthest(frame);
     let hausdorff = to_surface.distance.max(to_mesh.distance);
+    let mut differences = tested.differences(&reference);
+    differences.extend(Difference::uncovered(to_mesh));
     let comparison = Comparison {
         topology: reference.topology,
-        differences: tested.differences(&reference),
+        differences,
         vertices_to_surface,
         to_surface,
         to_mesh,
@@ -172,12 +182,12 @@ pub(crate) fn differences_from(mesh: Topology, surface: &Surface) -> Vec<Differe
     differences(mesh, reference)
 }
 
-/// The vertex of the surface farthest from the mesh, unit-sized, that was made of it; `None` where that is no farther than a
-/// mean edge length.
+/// The vertex or middle of a triangle of the surface farthest from the mesh, unit-sized, that was made of it; `None` where that
+/// is no farther than a mean edge length.
 pub(crate) fn uncovered(mesh: &Mesh, surface: &Surface) -> Option<Difference> {
     let lengths = || mesh.faces().flat_map(sides).map(|[a, b]| mesh.place(a).distance(mesh.place(b)));
     let edge = lengths().sum::<f64>() / lengths().count().max(1) as f64;
-    // Most vertices of the surface have a vertex of the mesh nearby; the distance of the others is measured.
+    // Most points of the surface have a vertex of the mesh nearby; the distance of the others is measured.
     let cell = |p: DVec3| (p / edge).floor().as_ivec3();
     let mut first: FxHashMap<IVec3, u32> = FxHashMap::default();
     first.reserve(mesh.points.len());
@@ -190,9 +200,13 @@ pub(crate) fn uncovered(mesh: &Mesh, surface: &Surface) -> Option<Difference> {
         let mut vertices = firsts.flat_map(|v| std::iter::successors(Some(v), |&v| next[v as usize]));
         vertices.any(|v| mesh.place(v).distance_squared(p) < edge * edge)
     };
-    let point = |v: u32| DVec3::from(surface.point(v));
-    let all = (0..surface.vertex_count() as u32).into_par_iter().with_min_len(1024);
-    let far: Vec<u32> = all.filter(|&v| !is_near(point(v))).collect();
+    let vertices = surface.vertex_count();
+    let point = |k: usize| match k.checked_sub(vertices) {
+        None => surface.points[k].as_dvec3(),
+        Some(triangle) => surface.corners(triangle).iter().map(|corner| corner.as_dvec3()).sum::<DVec3>() / 3.0,
+    };
+    let all = (0..vertices + surface.triangle_count()).into_par_iter().with_min_len(1024);
+    let far: Vec<usize> = all.filter(|&k| !is_near(point(k))).collect();
     // A tree pays where many points ask.
     const FEW: usize = 16;
     let tree = (far.len() > FEW).then(|| fan(mesh));
@@ -200,10 +214,9 @@ pub(crate) fn uncovered(mesh: &Mesh, surface: &Surface) -> Option<Difference> {
         Some(tree) => tree.distance(p),
         None => triangles(mesh).map(|corners| squared_distance(p, corners)).fold(f64::INFINITY, f64::min).sqrt(),
     };
-    let measured = far.par_iter().map(|&v| (distance(point(v)) / edge, v));
-    let (distance, v) = measured.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
-    let at = surface.frame().near(surface.point(v));
-    (distance > UNCOVERED).then_some(Difference::Uncovered { distance, at })
+    let measured = far.par_iter().map(|&k| (distance(point(k)) / edge, k));
+    let (distance, k) = measured.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
+    Difference::uncovered(Farthest { distance, at: surface.frame().near(point(k).to_array()) })
 }
 
 /// The surface as a mesh, its sheets joined.

@@ -65,25 +65,26 @@ impl Surface {
         let mut split = Split::along(self, &lines);
         *roots = split.sources.iter().map(|&source| roots[source as usize]).collect();
         split.reshape(roots);
-        self.replace(split, options);
-        self.same_place.truncate(self.points.len() - middles.len());
-        self.same_place.extend(middles);
+        self.replace(split, middles, options);
     }
 
-    /// Takes the parts of triangles in place of the whole ones.
-    pub(super) fn replace(&mut self, split: Split, options: &FeatureOptions) {
+    /// Takes the parts of triangles in place of the whole ones. `places` gives, for each added vertex, the first vertex at its
+    /// place.
+    pub(super) fn replace(&mut self, split: Split, places: impl IntoIterator<Item = u32>, options: &FeatureOptions) {
         let parts = |h: &u32| split.parts[*h as usize];
         let mut marked = vec![false; 3 * split.triangles.len()];
         let features = (0..split.parts.len() as u32).filter(|&h| self.features.is_feature(h));
         features.flat_map(|h| parts(&h)).chain(split.on_lines.iter().copied()).for_each(|h| marked[h as usize] = true);
         self.named = self.named.iter().flat_map(parts).collect();
         let dropped = |&edge: &DroppedEdge| {
-            parts(&edge.half_edge).into_iter().map(move |half_edge| DroppedEdge { half_edge, ..edge })
+            let [first, second] = parts(&edge.half_edge);
+            let second = Some(second).filter(|second| *second != first);
+            [Some(first), second].into_iter().flatten().map(move |half_edge| DroppedEdge { half_edge, ..edge })
         };
         self.dropped = self.dropped.iter().flat_map(dropped).collect();
         self.name(split.on_lines);
         self.regions = self.regions.of(&split.sources);
-        self.same_place.extend(self.points.len() as u32..split.points.len() as u32);
+        self.same_place.extend(places);
         (self.points, self.triangles, self.twins) = (split.points, split.triangles, split.twins);
         self.features = Features::along(self, marked, options.corner, self.features.reach);
     }

@@ -9,6 +9,7 @@ mod adjacency;
 mod caps;
 pub(crate) mod curvature;
 mod curve;
+mod denoise;
 mod divide;
 mod edge_file;
 pub mod examples;
@@ -30,6 +31,7 @@ mod weld;
 
 pub use curve::Curve;
 pub(crate) use curve::shared_curves;
+pub use denoise::Denoised;
 pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use features::{DroppedEdge, FeatureOptions, Features, Reason};
 pub use regions::Regions;
@@ -178,6 +180,7 @@ pub struct Surface {
     features: Features,
     /// The edges of the creases that are no features.
     dropped: Vec<DroppedEdge>,
+    denoised: Option<Denoised>,
     undivided: Undivided,
     frame: Frame,
     repairs: Repairs,
@@ -203,6 +206,7 @@ impl Surface {
             regions: soup.regions.of(&sources),
             features,
             dropped: Vec::new(),
+            denoised: None,
             undivided: Undivided::default(),
             frame,
             repairs,
@@ -232,20 +236,37 @@ impl Surface {
         Ok(self)
     }
 
-    /// The same surface with the features for tiles of side `h`, unit-sized: creases that do not persist are dropped, turns that
-    /// a curve takes back within a tile are no corners, and ridges become edges.
+    /// The same surface with the features for tiles of side `h`, unit-sized: noise is smoothed, creases that do not persist are
+    /// dropped, turns that a curve takes back within a tile are no corners, and ridges become edges.
     pub fn fitted(mut self, options: &FeatureOptions, h: f32) -> Self {
-        let along = |surface: &Self, marked| Features::along(surface, marked, options.corner, f64::from(h));
-        self.features = along(&self, self.features.marked());
-        let Persistent { marked, dropped } = persistence::persistent(&self, options, f64::from(h));
-        (self.features, self.dropped) = (along(&self, marked), dropped);
+        self.drop_creases(options, f64::from(h));
+        let given = self.points.clone();
+        for _ in 0..denoise::MOST_ROUNDS {
+            if options.every_crease || !denoise::is_noisy(&self, &self.dropped, f64::from(h)) {
+                break;
+            }
+            self.points = denoise::smoothed(&self, f64::from(h));
+            self.denoised = Some(Denoised::of(&given, &self));
+            self.features = Features::find(&self, options);
+            self.drop_creases(options, f64::from(h));
+        }
         if options.ridge < 180.0 {
             let lines = ridges::ridges(&self, f64::from(h), options.ridge);
             if !lines.is_empty() {
-                self.replace(split::Split::along(&self, &lines), options);
+                let split = split::Split::along(&self, &lines);
+                let places = self.points.len() as u32..split.points.len() as u32;
+                self.replace(split, places, options);
             }
         }
         self
+    }
+
+    /// Drops the creases that do not persist for tiles of a side, unit-sized.
+    fn drop_creases(&mut self, options: &FeatureOptions, side: f64) {
+        self.features = Features::along(self, self.features.marked(), options.corner, side);
+        let Persistent { marked, dropped } = persistence::persistent(self, options, side);
+        self.features = Features::along(self, marked, options.corner, side);
+        self.dropped = dropped;
     }
 
     /// The half-edges between triangles of different regions.
@@ -285,6 +306,11 @@ impl Surface {
     /// The edges of the creases that are no features, as they do not persist at the scale of a tile.
     pub fn dropped_edges(&self) -> &[DroppedEdge] {
         &self.dropped
+    }
+
+    /// How far the points of a noisy surface moved when it was smoothed; `None` where it is not noisy.
+    pub fn denoised(&self) -> Option<Denoised> {
+        self.denoised
     }
 
     /// The numbers of triangles and vertices before triangles were divided.

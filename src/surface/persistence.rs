@@ -23,13 +23,13 @@ use std::collections::BinaryHeap;
 /// The least persistence of an open crease.
 const OPEN: f64 = 1.5;
 /// The least persistence of a closed crease, with one corner or none.
-const CLOSED: f64 = 4.0;
+const CLOSED: f64 = 6.0;
 /// A turn by this angle, in degrees, is none: smooth surfaces and noise turn by as much.
 const NO_TURN: f64 = 20.0;
 /// A turn by this angle more, in degrees, has the weight 1.
 const UNIT_TURN: f64 = 45.0;
 /// The largest weight, that of a sharp edge.
-const MOST_WEIGHT: f64 = 2.0;
+const MOST_WEIGHT: f64 = 3.0;
 /// The length of the walks on either side, in tile sides.
 const REACH: f64 = 1.5;
 /// The distance between the points of a crease at which its turn is measured, in tile sides.

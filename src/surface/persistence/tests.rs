@@ -63,11 +63,11 @@ const ACROSS: Line = &[[0, 6], [12, 6]];
 fn what_is_too_small_goes() {
     // The lines, the largest turn that is no corner, and the side of tiles from which the last one goes.
     let cases: [(&str, &[Line], f64, f64); 5] = [
-        ("a spur", &[ACROSS, &[[6, 6], [6, 7]]], 50.0, 4.0 / 3.0),
-        ("a line with two loose ends", &[ACROSS, &[[3, 2], [5, 2]]], 50.0, 8.0 / 3.0),
-        ("a rung between lines", &[ACROSS, &[[0, 8], [12, 8]], &[[5, 6], [5, 8]]], 50.0, 8.0 / 3.0),
+        ("a spur", &[ACROSS, &[[6, 6], [6, 7]]], 50.0, 2.0),
+        ("a line with two loose ends", &[ACROSS, &[[3, 2], [5, 2]]], 50.0, 4.0),
+        ("a rung between lines", &[ACROSS, &[[0, 8], [12, 8]], &[[5, 6], [5, 8]]], 50.0, 4.0),
         ("a loop", &[ACROSS, &[[3, 2], [5, 2], [5, 3], [3, 3], [3, 2]]], 100.0, 3.0),
-        ("a loop of four corners", &[ACROSS, &[[3, 2], [5, 2], [5, 4], [3, 4], [3, 2]]], 50.0, 8.0 / 3.0),
+        ("a loop of four corners", &[ACROSS, &[[3, 2], [5, 2], [5, 4], [3, 4], [3, 2]]], 50.0, 4.0),
     ];
     let surface = plate();
     for (name, lines, corner, limit) in cases {
@@ -83,10 +83,10 @@ fn what_is_too_small_goes() {
 #[test]
 fn a_closed_line_with_one_corner_is_a_loop() {
     // A drop: turns of 90 degrees at three places are none, but the tip has a tail, which makes it a corner.
-    let (drop, tail): (Line, Line) = (&[[4, 5], [6, 5], [6, 6], [4, 6], [4, 5]], &[[4, 5], [4, 0]]);
+    let (drop, tail): (Line, Line) = (&[[4, 2], [6, 2], [6, 3], [4, 3], [4, 2]], &[[4, 2], [4, 0]]);
     let surface = plate();
-    assert_eq!(left(&surface, &[drop, tail], 100.0, 2.99), [6, 5]);
-    assert_eq!(left(&surface, &[drop, tail], 100.0, 3.01), [0, 5]);
+    assert_eq!(left(&surface, &[drop, tail], 100.0, 2.99), [6, 2]);
+    assert_eq!(left(&surface, &[drop, tail], 100.0, 3.01), [0, 2]);
 }
 
 #[test]
@@ -94,8 +94,8 @@ fn a_long_line_with_short_branches_stays() {
     let comb: [Line; 6] =
         [ACROSS, &[[2, 6], [2, 7]], &[[4, 6], [4, 5]], &[[6, 6], [6, 7]], &[[8, 6], [8, 5]], &[[10, 6], [10, 7]]];
     let surface = plate();
-    assert_eq!(left(&surface, &comb, 50.0, 1.3), [12, 1, 1, 1, 1, 1]);
-    // Between branches it is shorter than three quarters of a tile, but they are shorter still.
+    assert_eq!(left(&surface, &comb, 50.0, 1.9), [12, 1, 1, 1, 1, 1]);
+    // Between branches it is shorter than half a tile, but they are shorter still.
     assert_eq!(left(&surface, &comb, 50.0, 4.5), [12, 0, 0, 0, 0, 0]);
     // Cut into the same pieces by lines that stay, it goes.
     let ladder: [Line; 6] = [
