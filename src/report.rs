@@ -91,6 +91,8 @@ pub struct DroppedCreases {
     pub short: Creases,
     /// Creases at which the surface turns too little at the scale of a tile.
     pub weak: Creases,
+    /// Creases that run beside a more persistent one between the same ends.
+    pub double: Creases,
 }
 
 /// Some creases.
@@ -417,7 +419,11 @@ impl Input {
             curves: surface.features().curves().len(),
             corners: surface.features().corners().count(),
             curve_length: surface.frame().diagonal * surface.features().curves().iter().map(Curve::length).sum::<f64>(),
-            dropped: DroppedCreases { short: dropped(surface, Reason::Short), weak: dropped(surface, Reason::Weak) },
+            dropped: DroppedCreases {
+                short: dropped(surface, Reason::Short),
+                weak: dropped(surface, Reason::Weak),
+                double: dropped(surface, Reason::Double),
+            },
         }
     }
 }

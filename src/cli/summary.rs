@@ -4,7 +4,7 @@ use quadmosaic::mesh::compare::{Comparison, Difference, Farthest, FeatureDistanc
 use quadmosaic::mesh::connectivity::EditCounts;
 use quadmosaic::mesh::quality::{Quality, Spread};
 use quadmosaic::report::{
-    Against, Asked, CheckReport, Creases, DroppedCreases, FieldFigures, FieldReport, Input, MosaicReport, Report,
+    Against, Asked, CheckReport, DroppedCreases, FieldFigures, FieldReport, Input, MosaicReport, Report,
 };
 use quadmosaic::surface::{Denoised, Repairs, shown};
 
@@ -155,11 +155,14 @@ fn repaired(input: &Input) -> String {
 }
 
 fn features(input: &Input) -> String {
-    let DroppedCreases { short, weak } = input.dropped;
-    let of = |creases: Creases, name: &str| format!("{} {name} ({:.4} long)", creases.count, creases.length);
-    let dropped = match short.count + weak.count {
+    let DroppedCreases { short, weak, double } = input.dropped;
+    let of = [(short, "short"), (weak, "weak"), (double, "double")];
+    let some = of.into_iter().filter(|(creases, _)| creases.count > 0);
+    let texts: Vec<String> =
+        some.map(|(creases, name)| format!("{} {name} ({:.4} long)", creases.count, creases.length)).collect();
+    let dropped = match short.count + weak.count + double.count {
         0 => String::new(),
-        count => format!("; {} dropped: {}, {}", counted(count, "crease"), of(short, "short"), of(weak, "weak")),
+        count => format!("; {} dropped: {}", counted(count, "crease"), texts.join(", ")),
     };
     format!("{}, {}{dropped}", counted(input.curves, "curve"), counted(input.corners, "corner"))
 }

@@ -8,7 +8,7 @@
 //! # Changes versus the paper
 //! The paper has no features.
 
-use super::objective::Context;
+use super::objective::{Context, POOR};
 use super::relocate::Sweeps;
 use super::surface_mesh::SurfaceMesh;
 use super::vertex::{Place, Position, walked};
@@ -23,7 +23,7 @@ const LEAST_TURN: f32 = 25.0;
 const REACH: f64 = 0.5;
 /// A walk that ends farther from the point on the crease, in edges, has reached another sheet.
 const OTHER_SHEET: f64 = 0.3;
-/// The faces of a vertex that moves keep this shape, or the least one that they had.
+/// The faces of a vertex that moves keep this shape, or the least one that they had if it was not poor.
 const LEAST_SHAPE: f64 = 0.5;
 /// Rounds of snapping and relocation.
 const ROUNDS: usize = 2;
@@ -38,7 +38,7 @@ pub fn snap(context: &Context, mesh: &mut SurfaceMesh) {
         let mut sweeps = Sweeps::new(context, mesh);
         for Candidate { v, position, .. } in creases.candidates(mesh, &is_held) {
             let [before, after] = sweeps.least_shapes(mesh, v, &position);
-            if after >= before.min(LEAST_SHAPE) {
+            if after >= before.clamp(POOR, LEAST_SHAPE) {
                 sweeps.put(mesh, v, &position);
                 is_held[v as usize] = true;
             }

@@ -203,7 +203,7 @@ mod tests {
         // Waves along x, 16 cells long, on a plate of 128 x 32 cells; the ends are fixed, so the middle is compared.
         let (columns, wavelength, height) = (128, 16.0, 0.01);
         let wave = |x: f64| height * (TAU * x / wavelength).cos();
-        let profile: Vec<[f64; 2]> = (0..=columns).map(|i| f64::from(i)).map(|x| [x, wave(x)]).collect();
+        let profile: Vec<[f64; 2]> = (0..=columns).map(f64::from).map(|x| [x, wave(x)]).collect();
         let surface = surface(&drawn_out(&profile, 32, 1.0));
         for side in [4.0, 8.0, 16.0] {
             let share = (TAU * RADIUS * side / wavelength).powi(2);

@@ -49,6 +49,8 @@ pub enum Reason {
     Short,
     /// At the scale of a tile the surface turns too little.
     Weak,
+    /// A more persistent crease has the same ends and is nowhere farther away than a small part of a tile.
+    Double,
 }
 
 /// The features of a surface.

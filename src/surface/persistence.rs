@@ -13,8 +13,10 @@
 //! Creases by angle alone are dropped, not open boundaries, seams, named edges, borders of regions or ridges. With
 //! [`FeatureOptions::every_crease`] the length alone counts.
 
+use super::nearest::nearest_on_segment;
 use super::turning::turn;
 use super::{Curve, DroppedEdge, FeatureOptions, NONE, Reason, Surface, features};
+use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
@@ -32,6 +34,8 @@ const UNIT_TURN: f64 = 45.0;
 const MOST_WEIGHT: f64 = 3.0;
 /// The length of the walks on either side, in tile sides.
 const REACH: f64 = 1.5;
+/// Two creases with the same ends that are nowhere farther apart, in tile sides, are one.
+const LEAST_APART: f64 = 0.15;
 /// The distance between the points of a crease at which its turn is measured, in tile sides.
 const SPACING: f64 = 0.25;
 
@@ -52,6 +56,11 @@ pub(super) fn persistent(surface: &Surface, options: &FeatureOptions, side: f64)
             let (edges, crease) = (pieces.drop_piece(id), creases.next().unwrap_or(u32::MAX));
             dropped.extend(edges.into_iter().map(|(half_edge, turn)| DroppedEdge { half_edge, crease, turn, reason }));
         }
+    }
+    for id in pieces.doubles(LEAST_APART * side) {
+        let (edges, crease) = (pieces.drop_piece(id), creases.next().unwrap_or(u32::MAX));
+        let reason = Reason::Double;
+        dropped.extend(edges.into_iter().map(|(half_edge, turn)| DroppedEdge { half_edge, crease, turn, reason }));
     }
     let mut marked = vec![false; 3 * surface.triangle_count()];
     for &(h, _) in pieces.list.iter().flatten().flat_map(|piece| &piece.edges) {
@@ -157,6 +166,40 @@ impl<'a> Pieces<'a> {
         let least = if piece.ends.is_none_or(|[start, end]| start == end) { CLOSED } else { OPEN };
         let reason = if MOST_WEIGHT * piece.length < least { Reason::Short } else { Reason::Weak };
         (piece.persistence.abs() < least).then_some(reason)
+    }
+
+    /// The creases that have the same ends as a more persistent curve and are nowhere farther from it than `apart`, unit-sized:
+    /// the thin folds that tessellators and intersections leave.
+    fn doubles(&self, apart: f64) -> Vec<u32> {
+        let open = self.list.iter().zip(0..).filter_map(|(piece, id)| {
+            let piece = piece.as_ref()?;
+            let [a, b] = piece.ends.filter(|[a, b]| a != b)?;
+            Some(([a.min(b), a.max(b)], (!piece.may_go, piece.persistence.abs()), id))
+        });
+        let mut open: Vec<([u32; 2], (bool, f64), u32)> = open.collect();
+        open.sort_by(|x, y| x.0.cmp(&y.0).then(y.1.0.cmp(&x.1.0)).then(y.1.1.total_cmp(&x.1.1)).then(x.2.cmp(&y.2)));
+        let is_double = |id: u32, stronger: &[([u32; 2], (bool, f64), u32)]| {
+            stronger.iter().any(|&(_, _, other)| self.is_near(id, other, apart))
+        };
+        open.chunk_by(|x, y| x.0 == y.0)
+            .flat_map(|same| {
+                (1..same.len()).filter(|&k| !same[k].1.0 && is_double(same[k].2, &same[..k])).map(|k| same[k].2)
+            })
+            .collect()
+    }
+
+    /// Whether all points of a piece are no farther than this from another piece, unit-sized.
+    fn is_near(&self, id: u32, other: u32, apart: f64) -> bool {
+        let segments = |id: u32| {
+            let edges = self.list[id as usize].iter().flat_map(|piece| &piece.edges);
+            edges.map(|&(h, _)| {
+                [self.surface.origin(h), self.surface.target(h)].map(|v| self.surface.points[v as usize].as_dvec3())
+            })
+        };
+        let distance = |p: DVec3| {
+            segments(other).map(|[a, b]| nearest_on_segment(p, a, b).distance(p)).fold(f64::INFINITY, f64::min)
+        };
+        segments(id).flatten().all(|p| distance(p) <= apart)
     }
 
     fn take(&mut self, id: u32) -> Option<Piece> {

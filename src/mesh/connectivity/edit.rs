@@ -128,7 +128,11 @@ impl<'a> Edit<'a> {
 
     /// The measure of a face where its vertices are.
     pub(crate) fn measure(&self, context: &Context, face: u32) -> Measure {
-        let corners = self.face(face);
+        self.measure_of(context, self.face(face))
+    }
+
+    /// The measure of a face with these vertices.
+    pub(crate) fn measure_of(&self, context: &Context, corners: &[u32]) -> Measure {
         let points: Vec<DVec3> = corners.iter().map(|&v| self.point(v)).collect();
         let originals: Vec<u32> = corners.iter().map(|&v| self.original(v)).collect();
         let map = self.mesh.metric().map_of(&originals);

@@ -27,9 +27,10 @@ pub(super) struct Operation {
 pub(super) const PAIR: Operation = Operation { concerns: is_triangle, propose: search::ways_out };
 /// Poor faces, and quads with irregular vertices, are recut or collapsed.
 pub(super) const RECUT: Operation = Operation { concerns: recut::is_candidate, propose: recut::recuts };
-/// Faults are recut, collapsed or split, by one edit or by two.
-pub(super) const UNTANGLE: [Operation; 2] = [
+/// Faults are recut, collapsed or split, by one edit, by the best cut of a few faces, or by two edits.
+pub(super) const UNTANGLE: [Operation; 3] = [
     Operation { concerns: is_fault, propose: untangle::once },
+    Operation { concerns: is_fault, propose: untangle::unions },
     Operation { concerns: is_fault, propose: untangle::twice },
 ];
 

@@ -3,7 +3,8 @@
 //! # Theory
 //! A fault spans a part thinner than a tile, or all of its corners lie on one feature curve. Six edits are proposed: it is recut
 //! together with a face beside it, one of its edges is collapsed, two of its corners are merged, it meets a triangle beside it, a
-//! vertex of its curve is removed, or it is split. If none helps, two edits in turn are proposed. With [`Quads::All`] the last
+//! vertex of its curve is removed, or it is split. If none helps, the best cut of its union with one or two faces is proposed, and
+//! then two edits in turn. With [`Quads::All`] the last
 //! resort is a ring of quads about the corner opposite to a straight one.
 
 use super::super::edit::Edit;
@@ -11,6 +12,7 @@ use super::super::{Engine, Kind, Quads};
 use super::recut::{collapsed, flipped, recut, split};
 use super::walk;
 use crate::mesh::incidence::sides;
+use crate::mesh::polygon;
 use crate::mesh::vertex::Place;
 
 /// The single edits about a fault.
@@ -30,6 +32,60 @@ pub(super) fn twice<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> 
         edits.extend(again.map(|(_, edit)| (kind, edit)).filter(|(_, edit)| is_allowed(engine, edit)));
     }
     edits
+}
+
+/// The recuts of the union of a fault with one or two of the faces beside it, each the cut into quads and triangles of least cost.
+pub(super) fn unions<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
+    let edit = Edit::new(engine.mesh);
+    let beside = |face: u32| -> Vec<u32> { sides(edit.face(face)).filter_map(|[a, b]| edit.across(a, b)).collect() };
+    let first = beside(face);
+    let mut sets: Vec<Vec<u32>> = first.iter().map(|&other| vec![face, other]).collect();
+    for (k, &other) in first.iter().enumerate() {
+        let second = first[k + 1..].iter().copied().chain(beside(other));
+        sets.extend(second.filter(|third| ![face, other].contains(third)).map(|third| vec![face, other, third]));
+    }
+    let cut = |set: Vec<u32>| recut_union(engine, &edit, &set).filter(|edit| is_allowed(engine, edit));
+    sets.into_iter().filter_map(cut).map(|edit| (Kind::Flip, edit)).collect()
+}
+
+/// The edit that recuts the union of faces; `None` unless that is a simple polygon with a cut of its own.
+fn recut_union<'e>(engine: &Engine, edit: &Edit<'e>, set: &[u32]) -> Option<Edit<'e>> {
+    /// The cost of a fault, in perfect quads.
+    const FAULT: f64 = 10.0;
+    let all: Vec<[u32; 2]> = set.iter().flat_map(|&face| sides(edit.face(face))).collect();
+    let rim: Vec<[u32; 2]> = all.iter().copied().filter(|&[a, b]| !all.contains(&[b, a])).collect();
+    let mut outline = vec![rim.first()?[0]];
+    while outline.len() < rim.len() {
+        outline.push(rim.iter().find(|side| side[0] == outline[outline.len() - 1])?[1]);
+    }
+    let is_repeated = (1..outline.len()).any(|k| outline[..k].contains(&outline[k]));
+    if is_repeated || rim.len() + 2 * (set.len() - 1) != all.len() {
+        return None;
+    }
+    let corners = |places: &[usize]| places.iter().map(|&k| outline[k]).collect::<Vec<u32>>();
+    let cost = |places: &[usize]| {
+        let measure = edit.measure_of(engine.context, &corners(places));
+        let fault = if measure.is_fault { FAULT } else { 0.0 };
+        fault + measure.score(engine.options.triangle_price).loss
+    };
+    let chord = |i: usize, j: usize| {
+        let [a, b] = [outline[i], outline[j]];
+        let is_outside = |face: Option<u32>| face.is_some_and(|face| !set.contains(&face));
+        let is_taken = is_outside(edit.left(a, b)) || is_outside(edit.left(b, a)) || edit.curve([a, b]).is_some();
+        if is_taken { f64::INFINITY } else { 0.0 }
+    };
+    let (_, parts) = polygon::cut(outline.len(), cost, chord)?;
+    let mut result = edit.clone();
+    set.iter().for_each(|&face| result.set_face(face, &[]));
+    for (k, part) in parts.iter().enumerate() {
+        match set.get(k) {
+            Some(&face) => result.set_face(face, &corners(part)),
+            None => {
+                result.add_face(&corners(part));
+            }
+        }
+    }
+    has_fewer_faults(engine, &result).then_some(result)
 }
 
 /// Whether fewer of the changed faces are faults than before before the vertices relax: a quick test, as edits in two
