@@ -186,9 +186,9 @@ fn a_turn_that_is_taken_back_within_a_tile_is_no_corner() {
 #[test]
 fn of_two_creases_beside_each_other_between_the_same_ends_one_stays() {
     let (straight, bowed): (Line, Line) = (&[[2, 6], [10, 6]], &[[2, 6], [2, 7], [10, 7], [10, 6]]);
-    let lines: [Line; 4] = [straight, bowed, &[[2, 0], [2, 6]], &[[10, 6], [10, 12]]];
+    let lines: [Line; 4] = [straight, bowed, &[[2, 0], [2, 6]], &[[10, 6], [10, 0]]];
     let surface = plate();
     // They are 1 apart: 0.15 tile sides of 6.67.
-    assert_eq!(left(&surface, &lines, 100.0, 6.6), [8, 10, 6, 5 + 1]);
-    assert_eq!(left(&surface, &lines, 100.0, 6.7), [0, 10, 6, 5 + 1]);
+    assert_eq!(left(&surface, &lines, 100.0, 6.6), [8, 10, 6, 6]);
+    assert_eq!(left(&surface, &lines, 100.0, 6.7), [0, 10, 6, 6]);
 }
