@@ -31,10 +31,11 @@
 use super::incidence::{sides, undirected};
 use super::intrinsic::{Intrinsic, next, previous};
 use super::metric::Metric;
-use super::objective::{Context, Measure};
+use super::objective::{Context, Measure, least_sine};
 use super::polygon;
 use super::surface_mesh::SurfaceMesh;
 use super::triangulate::Triangulation;
+use super::vertex::Place;
 use crate::surface::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -58,7 +59,8 @@ const LARGEST: usize = 14;
 const TRIANGLE_COST: f64 = 1.0;
 /// The cost of a face that is a fault, or nearly concave.
 const FAULT_COST: f64 = 10.0;
-/// A quad of a smaller shape is nearly concave.
+/// A quad of a smaller shape is nearly concave where a corner has a smaller sine too, or all corners lie on one curve; else it is
+/// only thin.
 const NEARLY_CONCAVE: f64 = 0.05;
 
 /// The mesh of the faces that the edges enclose, its holes filled, and the number of holes.
@@ -260,6 +262,22 @@ impl<'a> Filler<'a> {
         !is_taken && !self.chords.contains(&undirected([a, b]))
     }
 
+    /// Whether all vertices of a face lie on one feature curve, or at its ends.
+    fn lies_on_one_curve(&self, face: &[u32]) -> bool {
+        let places = || face.iter().map(|&v| self.triangulation.vertices[v as usize].place);
+        let curve = places().find_map(|place| match place {
+            Place::OnCurve { curve, .. } => Some(curve),
+            _ => None,
+        });
+        curve.is_some_and(|curve| {
+            places().all(|place| match place {
+                Place::Free => false,
+                Place::OnCurve { curve: own, .. } => own == curve,
+                Place::Corner => true,
+            })
+        })
+    }
+
     /// The cost of a face: what its shape lacks, and a penalty for a triangle and for a fault.
     fn face_cost(&self, face: &[u32]) -> f64 {
         let mut points = [DVec3::ZERO; 4];
@@ -270,7 +288,8 @@ impl<'a> Filler<'a> {
         let orientation = &self.context.orientation;
         let measure = Measure::of(corners, map.as_ref(), None, || orientation.is_inverted(corners, sheets));
         let base = if face.len() == 3 { TRIANGLE_COST } else { 0.0 };
-        let is_bad = measure.is_fault || (face.len() == 4 && measure.shape <= NEARLY_CONCAVE);
+        let is_flat = || least_sine(corners, map.as_ref()) <= NEARLY_CONCAVE || self.lies_on_one_curve(face);
+        let is_bad = measure.is_fault || (face.len() == 4 && measure.shape <= NEARLY_CONCAVE && is_flat());
         let fault = if is_bad { FAULT_COST } else { 0.0 };
         base + (1.0 - measure.shape) + fault
     }
@@ -279,8 +298,8 @@ impl<'a> Filler<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Vertex;
     use crate::mesh::intrinsic::tests::plane;
-    use crate::mesh::{Place, Vertex};
     use crate::mosaic::Tile;
     use crate::surface::{FeatureOptions, Soup, Surface};
     use bytemuck::Zeroable;

@@ -11,7 +11,7 @@
 
 use super::metric::{MetricMap, to_metric};
 use super::orientation::{self, Orientation};
-use super::quality::{quad_shape, triangle_shape};
+use super::quality::{quad_shape, scaled_jacobian, triangle_shape};
 use super::surface_mesh::SurfaceMesh;
 use super::vertex::{Place, walked};
 use crate::surface::{Curve, Surface, shared_curves};
@@ -19,8 +19,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
-/// A face of a smaller shape is a fault: its corners lie on one line, or one of them is straight or reflex.
+/// A face with a corner of a smaller sine is a fault: it is straight or reflex, or the corners lie on one line. A thin rectangle is
+/// none.
 const DEGENERATE: f64 = 0.01;
+/// Faces of a larger shape have no such corner.
+const SOUND: f64 = 0.05;
 /// The floor: a smaller shape has a further loss.
 pub(crate) const FLOOR: f64 = 0.5;
 /// A face of a smaller shape is poor: the least shape counts before the loss.
@@ -144,7 +147,8 @@ impl Measure {
         let keeps = |before: &Self| {
             !before.is_fault && before.normal.dot(normal) > TURN_COSINE * (before.normal.length() * normal.length())
         };
-        let is_fault = shape < DEGENERATE || (!before.is_some_and(keeps) && inverted());
+        let is_degenerate = shape < SOUND && least_sine(corners, map) < DEGENERATE;
+        let is_fault = is_degenerate || (!before.is_some_and(keeps) && inverted());
         Self { shape, is_fault, normal, corners: corners.len() as u8 }
     }
 
@@ -175,6 +179,24 @@ pub(crate) fn shape(corners: &[DVec3], map: Option<&MetricMap>) -> f64 {
     match *corners {
         [a, b, c] => triangle_shape([a, b, c].map(at)),
         [a, b, c, d] => quad_shape([a, b, c, d].map(at)),
+        _ => 1.0,
+    }
+}
+
+/// The least sine of a quad's corners, negative where one is reflex, or the sine of a triangle's largest corner; 1 for larger faces.
+pub(crate) fn least_sine(corners: &[DVec3], map: Option<&MetricMap>) -> f64 {
+    let at = |p: DVec3| to_metric(map, p);
+    match *corners {
+        [a, b, c] => {
+            let [a, b, c] = [a, b, c].map(at);
+            let sides = [b - a, c - b, a - c];
+            let squared = sides.map(|side| side.length_squared());
+            // The largest corner lies between the two shorter sides.
+            let longest = squared.into_iter().fold(0.0, f64::max);
+            let product = squared.into_iter().product::<f64>() / longest.max(f64::MIN_POSITIVE);
+            if product > 0.0 { sides[0].cross(sides[1]).length() / product.sqrt() } else { 0.0 }
+        }
+        [a, b, c, d] => scaled_jacobian([a, b, c, d].map(|p| at(p).to_array())),
         _ => 1.0,
     }
 }
