@@ -281,6 +281,21 @@ fn few_points_make_a_clean_mesh_too() {
 }
 
 #[test]
+fn a_plate_far_thinner_than_a_tile_keeps_the_quads_of_its_rim() {
+    for thickness in [1e-4, 1e-3] {
+        let points = (0..8).map(|k| [0, 1, 2].map(|axis| f64::from(k >> axis & 1) * [1.0, 1.0, thickness][axis]));
+        let sides: [[u32; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let soup = Soup { points: points.collect(), triangles, ..Soup::default() };
+        let outcome = meshed(&soup, &Options::new(Fineness::Points(500)));
+        let Quality { qr, vertices, scaled_jacobian, .. } = Quality::of(&outcome.meshed.mesh);
+        assert_clean(&outcome.meshed, &format!("{thickness}"));
+        assert!(qr > 0.98 && vertices.abs_diff(500) <= 10, "{thickness}: Qr {qr}, {vertices} vertices");
+        assert!(scaled_jacobian.is_some_and(|jacobian| jacobian.min > 0.5), "{thickness}: {scaled_jacobian:?}");
+    }
+}
+
+#[test]
 fn progress_is_told_stage_by_stage() {
     let told = RefCell::new(Vec::new());
     let soup = example("sphere", 1_000);

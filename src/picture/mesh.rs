@@ -24,6 +24,8 @@ const SIDE: Pen = Pen { colour: Colour::INK, width: 1.6, most: 0.1 };
 const TRIANGLE_SIDE: Pen = Pen { colour: Colour::PENCIL, width: 1.0, most: 0.06 };
 /// Creases, boundaries and features.
 const FEATURE: Pen = Pen { colour: Colour::INK, width: 2.6, most: f32::INFINITY };
+/// Creases that are no features.
+const DROPPED: Pen = Pen { colour: Colour::ORANGE, width: 1.3, most: f32::INFINITY };
 
 /// A mesh and the sides of its faces. One of triangles alone is shaded smoothly, with its creases and boundaries drawn heavier.
 pub fn mesh_scene(mesh: &Mesh, paint: Paint) -> Scene {
@@ -42,7 +44,8 @@ pub fn mesh_scene(mesh: &Mesh, paint: Paint) -> Scene {
         let creases = creases(&scene, &triangles);
         let pen = scene.pen(TRIANGLE_SIDE);
         smooth(&mut scene, &triangles, |t| colour(&triangles[t]), pen);
-        feature_lines(&mut scene, &triangles, |h| creases[h]);
+        let features = (0..creases.len()).filter(|&h| creases[h]);
+        lines(&mut scene, &triangles, features, FEATURE);
     } else {
         let pen = scene.pen(SIDE);
         for face in mesh.faces().filter(|face| face.len() > 2) {
@@ -53,13 +56,16 @@ pub fn mesh_scene(mesh: &Mesh, paint: Paint) -> Scene {
     scene
 }
 
-/// A surface, smooth, with its features.
+/// A surface, smooth, with its features, and thin the creases that are none.
 pub fn surface_scene(surface: &Surface, colour: Colour) -> Scene {
     let mut scene = Scene::default();
     let vertices = 0..surface.vertex_count() as u32;
     scene.place(vertices.map(|vertex| surface.frame().to_model(surface.point(vertex))));
     smooth(&mut scene, &surface.triangles, |_| colour, NO_PEN);
-    feature_lines(&mut scene, &surface.triangles, |h| surface.features().is_feature(h as u32));
+    let dropped = surface.dropped_edges().iter().map(|edge| edge.half_edge as usize);
+    let features = (0..3 * surface.triangle_count()).filter(|&h| surface.features().is_feature(h as u32));
+    lines(&mut scene, &surface.triangles, dropped, DROPPED);
+    lines(&mut scene, &surface.triangles, features, FEATURE);
     scene
 }
 
@@ -72,10 +78,10 @@ fn smooth(scene: &mut Scene, triangles: &[[u32; 3]], colour: impl Fn(usize) -> C
     }
 }
 
-/// Draws the marked half-edges: as lines, since triangles beside a feature may be narrower than the pen.
-fn feature_lines(scene: &mut Scene, triangles: &[[u32; 3]], marked: impl Fn(usize) -> bool) {
-    let pen = scene.pen(FEATURE);
-    for h in (0..3 * triangles.len()).filter(|&h| marked(h)) {
+/// Draws half-edges: as lines, since triangles beside them may be narrower than the pen.
+fn lines(scene: &mut Scene, triangles: &[[u32; 3]], half_edges: impl Iterator<Item = usize>, pen: Pen) {
+    let pen = scene.pen(pen);
+    for h in half_edges {
         let ends = ends(triangles, h).map(|v| scene.points[v as usize].to_array());
         scene.line(ends, Vec3::ZERO, pen);
     }
