@@ -194,3 +194,16 @@ fn a_mesh_without_faults_stays() {
     assert_stays(&Grid::new().moved(at(3, 3), [3.3, 3.2]));
     assert_ne!(Grid::new().moved(at(3, 3), [4.3, 3.2]).untangled(Quads::Most).faults[0], 0);
 }
+
+#[test]
+fn a_quad_whose_corners_lie_on_one_straight_feature_is_recut_with_the_faces_beside_it() {
+    let [low, high]: [[u32; 4]; 2] = [2, 3].map(|y| [2, 3, 4, 5].map(|x| at(x, y)));
+    let [b0, b1, b2, b3] = low;
+    let [d0, d1, d2, d3] = high;
+    let faces: [&[u32]; 5] = [&[d0, b0, b1], &[d0, b1, d3], &[d3, b1, b2], &[d3, b2, b3], &[d0, d3, d2, d1]];
+    let wrong = Grid::new().recut(&[[2, 2], [3, 2], [4, 2]], &faces).with_features(&[[d0, d1], [d1, d2], [d2, d3]]);
+    let mended = wrong.untangled(Quads::Most);
+    assert_mended(&mended, 1);
+    assert!(!mended.has_edge([d0, d3]), "the edge beside the feature is gone");
+    assert!([[d0, d1], [d1, d2], [d2, d3]].into_iter().all(|ends| mended.has_edge(ends)), "the feature stays");
+}
