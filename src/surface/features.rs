@@ -61,6 +61,8 @@ pub struct Features {
     is_corner: Vec<bool>,
     /// The arc length, unit-sized, over which a curve must turn on either side of a corner.
     pub(super) reach: f64,
+    /// Corners without curves, in order.
+    pub(super) apexes: Vec<u32>,
 }
 
 impl Features {
@@ -73,6 +75,7 @@ impl Features {
     /// back within `reach`, unit-sized, is no corner.
     pub(super) fn along(surface: &Surface, marked: Vec<bool>, corner: f64, reach: f64) -> Self {
         let edges = Incidence::new(surface, &marked);
+        let apexes = surface.features.apexes.clone();
         let cos_corner = corner.to_radians().cos();
         let is_end: Vec<bool> =
             (0..surface.vertex_count() as u32).map(|v| ![0, 2].contains(&edges.at(v).len())).collect();
@@ -81,12 +84,12 @@ impl Features {
                 let ways = [a, b].map(|edge| edges.run(surface, v, edge, &is_end));
                 is_sharp(surface, v, ways, reach, cos_corner)
             }
-            _ => is_end[v as usize],
+            _ => is_end[v as usize] || apexes.binary_search(&v).is_ok(),
         };
         let mut is_corner: Vec<bool> = (0..surface.vertex_count() as u32).into_par_iter().map(is_corner).collect();
         share_corners(surface, &edges, &mut is_corner);
         let curves = chain(surface, &edges, &is_corner);
-        Self { marked, curves, is_corner, reach }
+        Self { marked, curves, is_corner, reach, apexes }
     }
 
     /// Whether each half-edge lies on a feature.
@@ -99,7 +102,7 @@ impl Features {
         self.marked[half_edge as usize]
     }
 
-    /// Whether a vertex is a corner: a feature's end, a junction of several, or a sharp turn.
+    /// Whether a vertex is a corner: a feature's end, a junction of several, a sharp turn, or an apex.
     pub fn is_corner(&self, vertex: u32) -> bool {
         self.is_corner[vertex as usize]
     }

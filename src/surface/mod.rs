@@ -6,6 +6,7 @@
 //! unit-sized copy is.
 
 mod adjacency;
+mod apexes;
 mod caps;
 pub(crate) mod curvature;
 mod curve;
@@ -250,6 +251,8 @@ impl Surface {
             self.features = Features::find(&self, options);
             self.drop_creases(options, f64::from(h));
         }
+        self.features.apexes = apexes::apexes(&self, f64::from(h));
+        self.features = Features::along(&self, self.features.marked(), options.corner, f64::from(h));
         if options.ridge < 180.0 {
             let lines = ridges::ridges(&self, f64::from(h), options.ridge);
             if !lines.is_empty() {
