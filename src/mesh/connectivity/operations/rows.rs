@@ -93,7 +93,8 @@ struct Opening {
 }
 
 /// Inserts rows between the corner `apex` of a triangle and a triangle that points the other way: each vertex of the line between
-/// the two becomes a pair, and the triangles become quads. Returns the costs and edits of all rows within the limits.
+/// the two becomes a pair, and the triangles become quads. `found` receives the cost and the edit of each row within the limits, and
+/// returns the largest cost from then on.
 ///
 /// ```text
 ///   o           o           o---z---o---w---o
@@ -102,30 +103,31 @@ struct Opening {
 ///   | /       \ |           |   |   |   |   |
 ///   o           o           o---z'--o---w'--o
 /// ```
-pub(super) fn insert_rows<'a>(edit: &Edit<'a>, triangle: u32, apex: u32, limits: RowLimits) -> Vec<(f64, Edit<'a>)> {
-    Lines::from(edit, triangle, apex, limits).rows
+pub(super) fn insert_rows<'a>(
+    edit: &Edit<'a>,
+    triangle: u32,
+    apex: u32,
+    limits: RowLimits,
+    found: impl FnMut(f64, Edit<'a>) -> f64,
+) {
+    let mut lines = Lines { edit, triangle, limits, line: Vec::new(), found };
+    if edit.is_free(apex)
+        && let Some(fan) = edit.fan(apex, triangle)
+    {
+        lines.extend(apex, &fan[1..], 0.0);
+    }
 }
 
 /// The search for lines between two triangles, as straight as the vertices on them allow.
-struct Lines<'a, 'b> {
+struct Lines<'a, 'b, F> {
     edit: &'b Edit<'a>,
     triangle: u32,
     limits: RowLimits,
     line: Vec<Opening>,
-    rows: Vec<(f64, Edit<'a>)>,
+    found: F,
 }
 
-impl<'a, 'b> Lines<'a, 'b> {
-    fn from(edit: &'b Edit<'a>, triangle: u32, apex: u32, limits: RowLimits) -> Self {
-        let mut lines = Self { edit, triangle, limits, line: Vec::new(), rows: Vec::new() };
-        if edit.is_free(apex)
-            && let Some(fan) = edit.fan(apex, triangle)
-        {
-            lines.extend(apex, &fan[1..], 0.0);
-        }
-        lines
-    }
-
+impl<'a, F: FnMut(f64, Edit<'a>) -> f64> Lines<'a, '_, F> {
     /// Continues the line from a vertex between any two of its faces, `fan`, counter-clockwise; `cost` is the cost of the line
     /// up to the vertex.
     fn extend(&mut self, vertex: u32, fan: &[u32], cost: f64) {
@@ -141,7 +143,9 @@ impl<'a, 'b> Lines<'a, 'b> {
             let cost = halves(end, fan.len() - end - 1);
             if cost <= self.limits.most_cost && self.edit.face(fan[end]).len() == 3 && fan[end] != self.triangle {
                 self.line.push(Opening { vertex, right: fan[..end].to_vec(), left: fan[end + 1..].to_vec() });
-                self.rows.extend(open(self.edit, self.triangle, fan[end], &self.line).map(|row| (cost, row)));
+                if let Some(row) = open(self.edit, self.triangle, fan[end], &self.line) {
+                    self.limits.most_cost = (self.found)(cost, row);
+                }
                 self.line.pop();
             }
         }

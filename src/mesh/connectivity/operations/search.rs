@@ -52,8 +52,10 @@ fn search<'e>(engine: &'e Engine, triangle: u32) -> Vec<End<'e>> {
                 let limits = |ends: &Ends| RowLimits { longest, most_cost: ends.most() - cost };
                 let out = rows::remove_row(edit, triangle, side, limits(&ends));
                 ends.extend(Kind::RowOut, cost, out);
-                let rows = rows::insert_rows(edit, triangle, z, limits(&ends));
-                ends.extend(Kind::RowIn, cost, rows);
+                rows::insert_rows(edit, triangle, z, limits(&ends), |row_cost, row| {
+                    ends.extend(Kind::RowIn, cost, [(row_cost, row)]);
+                    ends.most() - cost
+                });
             }
             let Some(next) = edit.across(x, y) else { continue };
             match edit.face(next).len() {
