@@ -7,6 +7,7 @@
 
 mod adjacency;
 mod apexes;
+mod bridges;
 mod caps;
 pub(crate) mod curvature;
 mod curve;
@@ -42,7 +43,6 @@ pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, 
 use crate::geometry::{cross, dot, unit};
 use adjacency::Adjacency;
 use glam::{DVec3, Vec3};
-use persistence::Persistent;
 use thiserror::Error;
 use weld::Welded;
 
@@ -264,12 +264,24 @@ impl Surface {
         self
     }
 
-    /// Drops the creases that do not persist for tiles of a side, unit-sized.
+    /// Drops the creases that do not persist for tiles of a side, unit-sized, and bridges gaps between the others.
     fn drop_creases(&mut self, options: &FeatureOptions, side: f64) {
-        self.features = Features::along(self, self.features.marked(), options.corner, side);
-        let Persistent { marked, dropped } = persistence::persistent(self, options, side);
-        self.features = Features::along(self, marked, options.corner, side);
-        self.dropped = dropped;
+        self.dropped.clear();
+        let mut marked = self.features.marked();
+        for is_last in [false, true] {
+            self.features = Features::along(self, marked, options.corner, side);
+            let persistent = persistence::persistent(self, options, side);
+            self.dropped.extend(persistent.dropped);
+            marked = persistent.marked;
+            self.features = Features::along(self, marked.clone(), options.corner, side);
+            if is_last || options.every_crease {
+                break;
+            }
+            for h in bridges::bridges(self, side) {
+                marked[h as usize] = true;
+                marked[self.twins[h as usize] as usize] = true;
+            }
+        }
     }
 
     /// The half-edges between triangles of different regions.
