@@ -30,9 +30,10 @@
 
 use super::incidence::{sides, undirected};
 use super::intrinsic::{Intrinsic, next, previous};
-use super::metric::Metric;
-use super::objective::{Context, Measure, least_sine};
+use super::metric::{Metric, to_metric};
+use super::objective::{Context, Measure};
 use super::polygon;
+use super::quality::least_corner_share;
 use super::surface_mesh::SurfaceMesh;
 use super::triangulate::Triangulation;
 use super::vertex::Place;
@@ -59,9 +60,10 @@ const LARGEST: usize = 14;
 const TRIANGLE_COST: f64 = 1.0;
 /// The cost of a face that is a fault, or nearly concave.
 const FAULT_COST: f64 = 10.0;
-/// A quad of a smaller shape is nearly concave where a corner has a smaller sine too, or all corners lie on one curve; else it is
-/// only thin.
+/// A quad of a smaller shape is nearly concave, or only thin.
 const NEARLY_CONCAVE: f64 = 0.05;
+/// A thin quad has a larger share of its area at each corner, unless all corners lie on one curve: it is nearly a rectangle.
+const THIN_RECTANGLE: f64 = 0.5;
 
 /// The mesh of the faces that the edges enclose, its holes filled, and the number of holes.
 pub fn fill(context: &Context, triangulation: &Triangulation, edges: &[bool], holes: Holes) -> (SurfaceMesh, usize) {
@@ -288,8 +290,14 @@ impl<'a> Filler<'a> {
         let orientation = &self.context.orientation;
         let measure = Measure::of(corners, map.as_ref(), None, || orientation.is_inverted(corners, sheets));
         let base = if face.len() == 3 { TRIANGLE_COST } else { 0.0 };
-        let is_flat = || least_sine(corners, map.as_ref()) <= NEARLY_CONCAVE || self.lies_on_one_curve(face);
-        let is_bad = measure.is_fault || (face.len() == 4 && measure.shape <= NEARLY_CONCAVE && is_flat());
+        let is_thin = |quad: [DVec3; 4]| least_corner_share(quad) > THIN_RECTANGLE && !self.lies_on_one_curve(face);
+        let is_nearly_concave = match *corners {
+            [a, b, c, d] if measure.shape <= NEARLY_CONCAVE => {
+                !is_thin([a, b, c, d].map(|corner| to_metric(map.as_ref(), corner)))
+            }
+            _ => false,
+        };
+        let is_bad = measure.is_fault || is_nearly_concave;
         let fault = if is_bad { FAULT_COST } else { 0.0 };
         base + (1.0 - measure.shape) + fault
     }

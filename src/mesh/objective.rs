@@ -184,7 +184,7 @@ pub(crate) fn shape(corners: &[DVec3], map: Option<&MetricMap>) -> f64 {
 }
 
 /// The least sine of a quad's corners, negative where one is reflex, or the sine of a triangle's largest corner; 1 for larger faces.
-pub(crate) fn least_sine(corners: &[DVec3], map: Option<&MetricMap>) -> f64 {
+fn least_sine(corners: &[DVec3], map: Option<&MetricMap>) -> f64 {
     let at = |p: DVec3| to_metric(map, p);
     match *corners {
         [a, b, c] => {

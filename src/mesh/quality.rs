@@ -145,6 +145,14 @@ fn corner_areas(q: [DVec3; 4]) -> [f64; 4] {
     std::array::from_fn(|k| (q[(k + 1) % 4] - q[k]).cross(q[(k + 3) % 4] - q[k]).dot(normal))
 }
 
+/// The least area of a quad's corner triangles over their mean: 1 for a parallelogram, small where an edge is short or a corner is
+/// nearly straight, negative where one is reflex.
+pub(super) fn least_corner_share(corners: [DVec3; 4]) -> f64 {
+    let areas = corner_areas(corners);
+    let mean = areas.iter().sum::<f64>() / 4.0;
+    if mean > 0.0 { areas.into_iter().fold(f64::INFINITY, f64::min) / mean } else { 0.0 }
+}
+
 /// The paper's Qg of one quad, as a reciprocal: 8 S_min / (sqrt2 h_max h_s), with h_max the longest side or diagonal, h_s
 /// the root of the sum of squared sides and S_min the smallest signed area of the four corner triangles.
 ///
