@@ -243,7 +243,8 @@ fn edits(counts: EditCounts) -> String {
 /// The result of a run's check.
 fn checked(report: &Report) -> String {
     let found: String = report.faults.to_string().lines().take(1).collect();
-    let other = if report.differences.is_empty() { "as the surface" } else { "other than the surface" };
+    let same = if report.differences.is_empty() { "as the surface" } else { "other than the surface" };
+    let other = if report.surface.denoised.is_some() { format!("{same} without noise") } else { same.to_owned() };
     format!("{found}; {other}")
 }
 

@@ -1,7 +1,7 @@
 //! Noise: a surface that is rough at a scale much smaller than a tile is smoothed before it is meshed.
 //!
 //! # Theory
-//! A surface is noisy where it has many creases that are short at the scale of a tile. Its points are then filtered by implicit
+//! A surface is noisy where it has many creases of one or two edges that do not persist at the scale of a tile. Its points are then filtered by implicit
 //! diffusion: `(M + r^2 L) x = M x0`, with the vertices' areas `M` and a Laplacian `L` of positive weights, is the low-pass filter
 //! `S` of a radius `r`. `2 S - S^2` keeps more of the shape: of waves two tiles long it takes an eighth. (Desbrun et al.,
 //! *Implicit fairing of irregular meshes using diffusion and curvature flow*, 1999.)
@@ -12,10 +12,13 @@
 use super::{DroppedEdge, NONE, Reason, Surface};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-/// The length of short creases in a square of a tile, in tile sides, from which a surface is noisy.
-const NOISY: f64 = 0.3;
+/// A dropped crease of no more edges is one of noise.
+const MOST_EDGES: usize = 2;
+/// The length of such creases in a square of a tile, in tile sides, from which a surface is noisy.
+const NOISY: f64 = 0.4;
 /// The radius of the filter, in tile sides.
 const RADIUS: f64 = 0.25;
 /// The most rounds of smoothing: one is made where the surface is noisy still.
@@ -48,8 +51,10 @@ impl Denoised {
 
 /// Whether a surface with these dropped creases is noisy for tiles of a side, unit-sized.
 pub(super) fn is_noisy(surface: &Surface, dropped: &[DroppedEdge], side: f64) -> bool {
-    let short = dropped.iter().filter(|edge| edge.reason == Reason::Short);
-    short.map(|edge| surface.length(edge.half_edge)).sum::<f64>() * side >= NOISY * surface.area()
+    let mut edges: FxHashMap<u32, usize> = FxHashMap::default();
+    dropped.iter().for_each(|edge| *edges.entry(edge.crease).or_default() += 1);
+    let of_noise = dropped.iter().filter(|edge| edge.reason != Reason::Double && edges[&edge.crease] <= MOST_EDGES);
+    of_noise.map(|edge| surface.length(edge.half_edge)).sum::<f64>() * side >= NOISY * surface.area()
 }
 
 /// The smoothed points of a surface for tiles of a side, unit-sized.

@@ -32,8 +32,8 @@ const NO_TURN: f64 = 20.0;
 const UNIT_TURN: f64 = 45.0;
 /// The largest weight, that of a sharp edge.
 const MOST_WEIGHT: f64 = 3.0;
-/// The length of the walks on either side, in tile sides.
-const REACH: f64 = 1.5;
+/// The length of the walks on either side, in tile sides: steps and grooves of less than some 0.4 tiles turn back within it.
+const REACH: f64 = 1.0;
 /// Two creases with the same ends that are nowhere farther apart, in tile sides, are one.
 const LEAST_APART: f64 = 0.15;
 /// The distance between the points of a crease at which its turn is measured, in tile sides.
