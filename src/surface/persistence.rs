@@ -34,6 +34,8 @@ const UNIT_TURN: f64 = 45.0;
 const MOST_WEIGHT: f64 = 3.0;
 /// The length of the walks on either side, in tile sides: steps and grooves of less than some 0.4 tiles turn back within it.
 const REACH: f64 = 1.0;
+/// The longest walk over the root of the surface's area: tiles as large as a part see round it.
+const MOST_REACH: f64 = 0.1;
 /// Two creases with the same ends that are nowhere farther apart, in tile sides, are one.
 const LEAST_APART: f64 = 0.15;
 /// The distance between the points of a crease at which its turn is measured, in tile sides.
@@ -78,8 +80,8 @@ fn weight(turn: f64) -> f64 {
 }
 
 /// The half-edges of a crease, each with the turn in degrees at its first measured point, and the persistence of the crease.
-fn measured(surface: &Surface, half_edges: &[u32], side: f64) -> (Vec<(u32, f32)>, f64) {
-    let (spacing, reach) = (SPACING * side, (REACH * side) as f32);
+fn measured(surface: &Surface, half_edges: &[u32], side: f64, reach: f32) -> (Vec<(u32, f32)>, f64) {
+    let spacing = SPACING * side;
     // The rest of the distance to the next measured point, and the turn at the last one.
     let (mut rest, mut last, mut sum) = (0.0, 0.0, 0.0);
     let edges = half_edges.iter().map(|&h| {
@@ -127,6 +129,7 @@ struct Pieces<'a> {
 impl<'a> Pieces<'a> {
     fn new(surface: &'a Surface, options: &FeatureOptions, side: f64) -> Self {
         let cos_corner = options.corner.to_radians().cos();
+        let reach = (REACH * side).min(MOST_REACH * surface.area().sqrt()) as f32;
         let mut pieces =
             Self { surface, cos_corner, list: Vec::new(), at: FxHashMap::default(), queue: BinaryHeap::new() };
         let piece = |curve: &Curve| {
@@ -134,7 +137,7 @@ impl<'a> Pieces<'a> {
             let may_go = !curve.half_edges.iter().any(is_kept);
             let length = curve.length() / side;
             let (edges, persistence) = match may_go && !options.every_crease {
-                true => measured(surface, &curve.half_edges, side),
+                true => measured(surface, &curve.half_edges, side, reach),
                 false => (curve.half_edges.iter().map(|&h| (h, 180.0)).collect(), MOST_WEIGHT * length),
             };
             let ends = (!curve.closed).then(|| [curve.vertices[0], curve.vertices[curve.vertices.len() - 1]]);
