@@ -433,7 +433,8 @@ fn dropped(surface: &Surface, reason: Reason) -> Creases {
     let edges = || surface.dropped_edges().iter().filter(|edge| edge.reason == reason);
     Creases {
         count: edges().map(|edge| edge.crease).collect::<FxHashSet<u32>>().len(),
-        length: surface.frame().diagonal * edges().map(|edge| surface.length(edge.half_edge)).sum::<f64>(),
+        // A sum of nothing is -0.
+        length: surface.frame().diagonal * edges().map(|edge| surface.length(edge.half_edge)).sum::<f64>() + 0.0,
     }
 }
 
