@@ -25,7 +25,7 @@ use std::collections::BinaryHeap;
 /// The least persistence of an open crease.
 const OPEN: f64 = 1.5;
 /// The least persistence of a closed crease, with one corner or none.
-const CLOSED: f64 = 6.0;
+const CLOSED: f64 = 5.0;
 /// A turn by this angle, in degrees, is none: smooth surfaces and noise turn by as much.
 const NO_TURN: f64 = 20.0;
 /// A turn by this angle more, in degrees, has the weight 1.

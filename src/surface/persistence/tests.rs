@@ -66,7 +66,7 @@ fn what_is_too_small_goes() {
         ("a spur", &[ACROSS, &[[6, 6], [6, 7]]], 50.0, 2.0),
         ("a line with two loose ends", &[ACROSS, &[[3, 2], [5, 2]]], 50.0, 4.0),
         ("a rung between lines", &[ACROSS, &[[0, 8], [12, 8]], &[[5, 6], [5, 8]]], 50.0, 4.0),
-        ("a loop", &[ACROSS, &[[3, 2], [5, 2], [5, 3], [3, 3], [3, 2]]], 100.0, 3.0),
+        ("a loop", &[ACROSS, &[[3, 2], [5, 2], [5, 3], [3, 3], [3, 2]]], 100.0, 3.6),
         ("a loop of four corners", &[ACROSS, &[[3, 2], [5, 2], [5, 4], [3, 4], [3, 2]]], 50.0, 4.0),
     ];
     let surface = plate();
@@ -85,8 +85,8 @@ fn a_closed_line_with_one_corner_is_a_loop() {
     // A drop: turns of 90 degrees at three places are none, but the tip has a tail, which makes it a corner.
     let (drop, tail): (Line, Line) = (&[[4, 2], [6, 2], [6, 3], [4, 3], [4, 2]], &[[4, 2], [4, 0]]);
     let surface = plate();
-    assert_eq!(left(&surface, &[drop, tail], 100.0, 2.99), [6, 2]);
-    assert_eq!(left(&surface, &[drop, tail], 100.0, 3.01), [0, 2]);
+    assert_eq!(left(&surface, &[drop, tail], 100.0, 3.59), [6, 2]);
+    assert_eq!(left(&surface, &[drop, tail], 100.0, 3.61), [0, 2]);
 }
 
 #[test]
