@@ -271,7 +271,9 @@ impl Surface {
         for is_last in [false, true] {
             self.features = Features::along(self, marked, options.corner, side);
             let persistent = persistence::persistent(self, options, side);
-            self.dropped.extend(persistent.dropped);
+            let known = self.dropped.iter().map(|edge| edge.crease + 1).max().unwrap_or(0);
+            let dropped = persistent.dropped.into_iter();
+            self.dropped.extend(dropped.map(|edge| DroppedEdge { crease: known + edge.crease, ..edge }));
             marked = persistent.marked;
             self.features = Features::along(self, marked.clone(), options.corner, side);
             if is_last || options.every_crease {
@@ -281,6 +283,8 @@ impl Surface {
                 marked[h as usize] = true;
                 marked[self.twins[h as usize] as usize] = true;
             }
+            // A bridge may lead over an edge that was dropped.
+            self.dropped.retain(|edge| !marked[edge.half_edge as usize]);
         }
     }
 

@@ -52,18 +52,19 @@ pub(super) struct Persistent {
 /// The features of a surface that persist for tiles of a side, unit-sized.
 pub(super) fn persistent(surface: &Surface, options: &FeatureOptions, side: f64) -> Persistent {
     let mut pieces = Pieces::new(surface, options, side);
-    let (mut dropped, mut creases) = (Vec::new(), 0..);
+    let mut creases: Vec<(Reason, Vec<(u32, f32)>)> = Vec::new();
     while let Some(Reverse((_, id))) = pieces.queue.pop() {
         if let Some(reason) = pieces.reason_to_drop(id) {
-            let (edges, crease) = (pieces.drop_piece(id), creases.next().unwrap_or(u32::MAX));
-            dropped.extend(edges.into_iter().map(|(half_edge, turn)| DroppedEdge { half_edge, crease, turn, reason }));
+            creases.push((reason, pieces.drop_piece(id)));
         }
     }
     for id in pieces.doubles(LEAST_APART * side) {
-        let (edges, crease) = (pieces.drop_piece(id), creases.next().unwrap_or(u32::MAX));
-        let reason = Reason::Double;
-        dropped.extend(edges.into_iter().map(|(half_edge, turn)| DroppedEdge { half_edge, crease, turn, reason }));
+        creases.push((Reason::Double, pieces.drop_piece(id)));
     }
+    let edges_of = |(crease, (reason, edges)): (u32, (Reason, Vec<(u32, f32)>))| {
+        edges.into_iter().map(move |(half_edge, turn)| DroppedEdge { half_edge, crease, turn, reason })
+    };
+    let dropped = (0..).zip(creases).flat_map(edges_of).collect();
     let mut marked = vec![false; 3 * surface.triangle_count()];
     for &(h, _) in pieces.list.iter().flatten().flat_map(|piece| &piece.edges) {
         marked[h as usize] = true;

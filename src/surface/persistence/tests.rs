@@ -150,6 +150,13 @@ fn creases_of_noise_go_and_a_noisy_sharp_edge_stays() {
     assert_eq!(off_the_ridge(&persistent), 0);
     let on_the_ridge = (0..48).filter(|&j| persistent.iter().any(|p| (p.y / 0.25 - f64::from(j) - 0.5).abs() < 0.6));
     assert_eq!(on_the_ridge.count(), 48, "the ridge is whole");
+    // A bridge may lead over an edge that was dropped before: it is a feature then, or dropped once more.
+    let fitted = surface.clone().fitted(&options, (1.0 / surface.frame().diagonal) as f32);
+    let edge = |h: u32| fitted.twin(h).map_or(h, |twin| h.min(twin));
+    let mut dropped: Vec<u32> = fitted.dropped_edges().iter().map(|dropped| edge(dropped.half_edge)).collect();
+    assert!(!dropped.is_empty() && dropped.iter().all(|&h| !fitted.features().is_feature(h)));
+    dropped.sort_unstable();
+    assert!(dropped.windows(2).all(|pair| pair[0] != pair[1]), "an edge is listed twice");
     let every = kept(&surface, &FeatureOptions { every_crease: true, ..options }, 1.0);
     assert!(off_the_ridge(&every) > 0, "lengths alone keep creases of noise");
 }
@@ -165,6 +172,8 @@ fn a_groove_is_a_feature_of_tiles_that_resolve_it() {
     let dropped = fitted.dropped_edges();
     assert_eq!(dropped.len(), 4 * 18);
     assert!(dropped.iter().all(|edge| edge.reason == Reason::Weak), "each of the four is long");
+    assert_eq!(dropped.iter().map(|edge| edge.crease).max(), Some(3), "four creases");
+    assert!(dropped.iter().all(|edge| !fitted.features().is_feature(edge.half_edge)));
 }
 
 #[test]
