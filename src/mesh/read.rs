@@ -19,7 +19,7 @@ pub fn read_mesh(path: &Path) -> Result<Mesh, LoadError> {
 /// As [`read_mesh`].
 pub fn read_mesh_as(path: &Path, format: Option<Format>) -> Result<Mesh, LoadError> {
     let read = polygons(path, format)?;
-    Ok(Mesh { points: read.points, corners: read.corners, ends: read.ends, ..Mesh::default() })
+    Ok(Mesh { points: read.points, corners: read.corners, ends: read.ends, regions: read.regions })
 }
 
 #[cfg(test)]

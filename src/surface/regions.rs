@@ -1,4 +1,4 @@
-//! Named parts of a surface: the groups of an OBJ file, the solids of an STL file.
+//! Named parts of a surface: the groups and materials of an OBJ file, the solids of an STL file.
 
 use rustc_hash::FxHashMap;
 
@@ -21,11 +21,11 @@ impl Regions {
         Self { names: self.names.clone(), of_face }
     }
 
-    /// The regions of so many triangles from places in their order where a name begins to hold.
-    pub(crate) fn from_marks(marks: &[(usize, String)], triangles: usize) -> Self {
+    /// The regions of so many faces from places in their order where a name begins to hold.
+    pub(crate) fn from_marks(marks: &[(usize, String)], faces: usize) -> Self {
         let mut regions = Self::default();
         let mut known = FxHashMap::default();
-        let ends = marks.iter().map(|mark| mark.0).chain([triangles]);
+        let ends = marks.iter().map(|mark| mark.0).chain([faces]);
         let names = [""].into_iter().chain(marks.iter().map(|mark| mark.1.as_str()));
         for (name, end) in names.zip(ends) {
             if end > regions.of_face.len() {

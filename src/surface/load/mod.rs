@@ -16,7 +16,7 @@ mod text;
 pub use error::{Fault, LoadError, Place};
 pub(crate) use polygons::Polygons;
 
-use super::Soup;
+use super::{Regions, Soup};
 use std::fmt;
 use std::fs::File;
 use std::io::Read;
@@ -133,6 +133,7 @@ fn polygons_of(stream: impl Read, name: &str, format: Option<Format>) -> Result<
         return Err(LoadError::Empty { file: file() });
     }
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
+    let bytes = &*text::with_line_feeds(bytes);
     let found = Format::of(bytes);
     if let (Some(asked), Some(found)) = (format, found)
         && asked != found

@@ -1,6 +1,15 @@
 //! Words and numbers of text formats.
 
 use super::Fault;
+use std::borrow::Cow;
+
+/// A text whose lines end with carriage returns alone, with line feeds instead; anything else as it is.
+pub fn with_line_feeds(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if bytes.contains(&b'\n') || !bytes.contains(&b'\r') || bytes.contains(&0) {
+        return Cow::Borrowed(bytes);
+    }
+    bytes.iter().map(|&byte| if byte == b'\r' { b'\n' } else { byte }).collect()
+}
 
 /// What is between the blanks of a line.
 pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
