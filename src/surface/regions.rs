@@ -2,6 +2,34 @@
 
 use rustc_hash::FxHashMap;
 
+/// Integer attributes of faces that tell their regions, in PLY, VTK, VTU and VTP. Of several, the first in this order counts; case
+/// and whatever is neither letter nor digit do not matter. `gmsh:physical` and `CellEntityIds` are written by programs that
+/// convert MSH.
+const ATTRIBUTES: [&str; 16] = [
+    "region",
+    "regionid",
+    "patch",
+    "patchid",
+    "label",
+    "labels",
+    "materialindex",
+    "materialid",
+    "material",
+    "part",
+    "partid",
+    "group",
+    "groupid",
+    "gmshphysical",
+    "physical",
+    "cellentityids",
+];
+
+/// The rank of an attribute among those that tell regions; none for others.
+pub(crate) fn attribute_rank(name: &str) -> Option<usize> {
+    let plain: String = name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect();
+    ATTRIBUTES.iter().position(|known| *known == plain)
+}
+
 /// Which named part each face belongs to: triangles of a surface, faces of a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Regions {
@@ -38,6 +66,28 @@ impl Regions {
         }
         if regions.names == [""] { Self::default() } else { regions }
     }
+
+    /// The regions of so many faces from numbers, each with the number of faces that came before it. A face without a number has
+    /// the empty name, others that of the attribute and the number: `region_3`.
+    pub(crate) fn from_numbers(numbers: &[(usize, f64)], attribute: &str, faces: usize) -> Self {
+        let mut regions = Self { names: Vec::new(), of_face: Vec::with_capacity(faces) };
+        let mut known = FxHashMap::default();
+        let mut fill = |end: usize, number: Option<f64>| {
+            if end > regions.of_face.len() {
+                let region = *known.entry(number.map(f64::to_bits)).or_insert_with(|| {
+                    regions.names.push(number.map_or(String::new(), |number| format!("{attribute}_{number}")));
+                    regions.names.len() as u32 - 1
+                });
+                regions.of_face.resize(end, region);
+            }
+        };
+        for &(place, number) in numbers {
+            fill(place, None);
+            fill((place + 1).min(faces), Some(number + 0.0));
+        }
+        fill(faces, None);
+        if numbers.is_empty() { Self::default() } else { regions }
+    }
 }
 
 #[cfg(test)]
@@ -56,6 +106,22 @@ mod tests {
         assert_eq!((names.join(","), of), (",a,b".to_owned(), vec![0, 1, 1, 2]));
         let (names, of) = regions(&[(0, "b"), (2, "a"), (3, "b")], 4);
         assert_eq!((names.join(","), of), ("b,a".to_owned(), vec![0, 0, 1, 0]));
+    }
+
+    #[test]
+    fn numbers_are_named_by_their_attribute() {
+        let regions = Regions::from_numbers(&[(0, 7.0), (1, -1.0), (3, 7.0)], "Patch", 5);
+        assert_eq!(regions.names, ["Patch_7", "Patch_-1", ""]);
+        assert_eq!(regions.of_face, [0, 1, 2, 0, 2]);
+        assert_eq!(Regions::from_numbers(&[], "Patch", 5), Regions::default());
+        assert_eq!(Regions::from_numbers(&[(9, 1.0)], "Patch", 2).of_face.len(), 2);
+    }
+
+    #[test]
+    fn attributes_are_known_by_letters_and_digits() {
+        assert!(attribute_rank("Region ID") == attribute_rank("region_id") && attribute_rank("region_id").is_some());
+        assert!(attribute_rank("region") < attribute_rank("gmsh:physical"));
+        assert_eq!([attribute_rank("red"), attribute_rank("")], [None, None]);
     }
 
     #[test]

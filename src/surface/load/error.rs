@@ -194,7 +194,7 @@ pub enum Fault {
         /// The number of vertices it can use: all, or, if the index is negative, those before the face.
         vertices: usize,
     },
-    /// PLY: a face uses a vertex that does not exist.
+    /// A face uses a vertex that does not exist, in a format that counts from 0.
     #[error(
         "the face uses vertex {index}, but there are {vertices}, counted from 0; correct the index or add the vertex"
     )]
@@ -269,13 +269,13 @@ pub enum Fault {
         /// What is missing.
         what: &'static str,
     },
-    /// PLY: a list's length is no whole number, or negative.
-    #[error("the list has {count} entries; write a whole number from 0 up")]
-    NoListLength {
+    /// A count, such as a list's length, is no whole number, or negative.
+    #[error("{count} is no count; write a whole number from 0 up")]
+    NotACount {
         /// What is written.
         count: f64,
     },
-    /// PLY: a value is not a number.
+    /// A value is not a number.
     #[error("the value {word:?} is not a number; write it like 3, 0.25 or 2.5e-1")]
     NotAValue {
         /// The value as written, shortened.

@@ -6,6 +6,7 @@
 //! with the line or byte for every fault, coordinates as f64, names of solids, and binary STL files that begin with `solid`.
 //! No count in a header is trusted: memory follows the bytes that are there.
 
+mod cursor;
 mod error;
 mod obj;
 mod ply;

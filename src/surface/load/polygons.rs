@@ -44,6 +44,17 @@ impl Polygons {
         Ok(())
     }
 
+    /// Adds the triangles of a strip: every vertex after the second makes one with the two before it, every other turned over.
+    /// Triangles that use a vertex twice, which join strips, are left out.
+    pub fn push_strip(&mut self, strip: &[u32]) {
+        for (place, &[a, b, c]) in strip.array_windows().enumerate() {
+            if a != b && b != c && c != a {
+                self.corners.extend(if place % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                self.ends.push(self.corners.len() as u32);
+            }
+        }
+    }
+
     /// The first vertex that a face uses and that has no place in space.
     pub fn nowhere(&self) -> Option<usize> {
         let finite = |point: &[f64; 3]| point.iter().all(|coordinate| coordinate.is_finite());
