@@ -67,27 +67,45 @@ impl Regions {
         if regions.names == [""] { Self::default() } else { regions }
     }
 
-    /// The regions of so many faces from numbers, each with the number of faces that came before it. A face without a number has
-    /// the empty name, others that of the attribute and the number: `region_3`.
-    pub(crate) fn from_numbers(numbers: &[(usize, f64)], attribute: &str, faces: usize) -> Self {
+    /// The regions of so many faces from numbers, each with the number of faces that came before it. A number without a name gets
+    /// that of the attribute and itself, as `region_3`; a face without a number has the empty name. One number for all faces
+    /// is no region unless it has a name.
+    pub(crate) fn from_numbers(numbers: &Numbers, attribute: &str, faces: usize) -> Self {
         let mut regions = Self { names: Vec::new(), of_face: Vec::with_capacity(faces) };
-        let mut known = FxHashMap::default();
-        let mut fill = |end: usize, number: Option<f64>| {
+        let (mut by_number, mut by_name) = (FxHashMap::default(), FxHashMap::default());
+        let mut fill = |end: usize, number: Option<i64>| {
             if end > regions.of_face.len() {
-                let region = *known.entry(number.map(f64::to_bits)).or_insert_with(|| {
-                    regions.names.push(number.map_or(String::new(), |number| format!("{attribute}_{number}")));
-                    regions.names.len() as u32 - 1
+                let region = *by_number.entry(number).or_insert_with(|| {
+                    let name = number.map_or(String::new(), |number| match numbers.names.get(&number) {
+                        Some(name) => name.clone(),
+                        None => format!("{attribute}_{number}"),
+                    });
+                    *by_name.entry(name).or_insert_with_key(|name| {
+                        regions.names.push(name.clone());
+                        regions.names.len() as u32 - 1
+                    })
                 });
                 regions.of_face.resize(end, region);
             }
         };
-        for &(place, number) in numbers {
-            fill(place, None);
-            fill((place + 1).min(faces), Some(number + 0.0));
+        for &(place, number) in &numbers.marks {
+            fill(place.min(faces), None);
+            fill((place + 1).min(faces), Some(number));
         }
         fill(faces, None);
-        if numbers.is_empty() { Self::default() } else { regions }
+        let named = |number: &Option<i64>| number.is_some_and(|number| numbers.names.contains_key(&number));
+        let one_unnamed = by_number.len() < 2 && !by_number.keys().all(named);
+        if numbers.marks.is_empty() || one_unnamed || regions.names == [""] { Self::default() } else { regions }
     }
+}
+
+/// Regions as files have them that number them.
+#[derive(Debug, Default)]
+pub(crate) struct Numbers {
+    /// Numbers, each with the number of faces that came before the face that it is for.
+    pub marks: Vec<(usize, i64)>,
+    /// The names of numbers.
+    pub names: FxHashMap<i64, String>,
 }
 
 #[cfg(test)]
@@ -109,12 +127,21 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_named_by_their_attribute() {
-        let regions = Regions::from_numbers(&[(0, 7.0), (1, -1.0), (3, 7.0)], "Patch", 5);
-        assert_eq!(regions.names, ["Patch_7", "Patch_-1", ""]);
-        assert_eq!(regions.of_face, [0, 1, 2, 0, 2]);
-        assert_eq!(Regions::from_numbers(&[], "Patch", 5), Regions::default());
-        assert_eq!(Regions::from_numbers(&[(9, 1.0)], "Patch", 2).of_face.len(), 2);
+    fn numbers_are_named_by_the_file_or_their_attribute() {
+        let regions = |marks: &[(usize, i64)], names: &[(i64, &str)], faces| {
+            let names = names.iter().map(|&(number, name)| (number, name.to_owned())).collect();
+            let Regions { names, of_face } =
+                Regions::from_numbers(&Numbers { marks: marks.to_vec(), names }, "Patch", faces);
+            (names.join(","), of_face)
+        };
+        let marks = [(0, 7), (1, -1), (3, 7)];
+        assert_eq!(regions(&marks, &[], 5), ("Patch_7,Patch_-1,".into(), vec![0, 1, 2, 0, 2]));
+        assert_eq!(regions(&marks, &[(-1, "wing")], 4), ("Patch_7,wing,".into(), vec![0, 1, 2, 0]));
+        assert_eq!(regions(&marks, &[(-1, "wing"), (7, "wing"), (9, "tail")], 2), ("wing".into(), vec![0, 0]));
+        let nothing = (String::new(), vec![]);
+        assert_eq!([regions(&[], &[], 5), regions(&[(0, 3), (1, 3)], &[], 2)], [nothing.clone(), nothing]);
+        assert_eq!(regions(&[(0, 3), (1, 3)], &[(3, "all")], 2), ("all".into(), vec![0, 0]));
+        assert_eq!(regions(&[(9, 1)], &[], 2).1.len(), 0, "a face that is not there has no region");
     }
 
     #[test]

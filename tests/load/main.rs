@@ -1,15 +1,19 @@
 //! Reading files: the same surface from every format, the format told by the content, and what is refused.
 
 mod obj;
+mod off;
 mod ply;
 mod stl;
 
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use obj::{SQUARE, square};
 use quadmosaic::mesh::check::check;
 use quadmosaic::mesh::read_mesh;
 use quadmosaic::surface::Soup;
 use quadmosaic::surface::load::{Format, LoadError, read, read_as, read_stream};
 use std::fs;
+use std::io::Write;
 use std::path::Path;
 
 /// A tetrahedron, with coordinates that f32 holds.
@@ -43,6 +47,7 @@ fn tetrahedra() -> Vec<(&'static str, Vec<u8>)> {
         ("ply", ply::ascii(&POINTS, &FACES).into()),
         ("ply", ply::binary(&POINTS, &FACES, false)),
         ("ply", ply::binary(&POINTS, &FACES, true)),
+        ("off", off::ascii(&POINTS, &FACES).into()),
     ]
 }
 
@@ -58,6 +63,45 @@ fn every_format_gives_the_same_surface() {
                 assert_eq!(soup, tetrahedron());
             }
         }
+    }
+}
+
+fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut packer = GzEncoder::new(Vec::new(), Compression::fast());
+    packer.write_all(bytes).expect("a vector takes all");
+    packer.finish().expect("a vector takes all")
+}
+
+#[test]
+fn files_in_gzip_are_unpacked() {
+    for (ending, bytes) in tetrahedra() {
+        let plain = read_stream(&bytes[..], ending, None).expect("it is good");
+        let whole = packed(&bytes);
+        for format in [None, Some(ending.parse().expect("a format"))] {
+            assert_eq!(read_stream(&whole[..], ending, format).expect("it is good"), plain, "{ending}");
+        }
+        // The two halves, each packed, one after the other.
+        let (first, second) = bytes.split_at(bytes.len() / 2);
+        assert_eq!(
+            read_stream(&[packed(first), packed(second)].concat()[..], ending, None).expect("it is good"),
+            plain
+        );
+        let error = read_stream(&whole[..whole.len() - 9], "it", None).expect_err("it is cut off");
+        assert!(matches!(error, LoadError::Packed { .. }), "{error}");
+    }
+    let error = read_stream(&packed(b"")[..], "it", None).expect_err("nothing is in it");
+    assert!(matches!(error, LoadError::Empty { .. }), "{error}");
+}
+
+#[test]
+fn other_kinds_of_files_are_named() {
+    for (text, message) in [
+        ("ISO-10303-21;\nHEADER;\nv 0 0 0\n", "part is a STEP file, a CAD model, which is not read; mesh its faces in"),
+        ("PK\x03\x04\x14\0\0\x003D/3dmodel.model\0", "part is a 3MF file, which is not read; open it in the slicer"),
+        ("Point(1) = {0, 0, 0, 1};\n", "part is a Gmsh script, which is not read; mesh it in Gmsh"),
+    ] {
+        let error = read_stream(text.as_bytes(), "part", None).expect_err("it is no mesh").to_string();
+        assert!(error.starts_with(message), "{error}");
     }
 }
 
@@ -90,7 +134,9 @@ fn a_format_that_the_content_contradicts_is_refused() {
         }
     }
     // Where nothing tells, what was asked for is tried.
-    for (asked, message) in [("obj", "no vertices"), ("stl", "is no word of an STL file"), ("ply", "begins here")] {
+    for (asked, message) in
+        [("obj", "no vertices"), ("stl", "is no word of an STL file"), ("ply", "begins here"), ("off", "is no count")]
+    {
         let error = read_stream(&b"rubbish"[..], "it", Some(asked.parse().expect("a format"))).expect_err("it is none");
         assert!(error.to_string().contains(message), "{error}");
     }

@@ -148,7 +148,7 @@ fn wrong_rows_are_named() {
         ("4 0 1 2 3", "4 0 1 2", 14, WrongRow { more: false }),
         ("4 0 1 2 3", "3 0 1 2 3", 14, WrongRow { more: true }),
         ("4 0 1 2 3", "2 0 1", 14, TooFewIndices { count: 2 }),
-        ("4 0 1 2 3", "-1", 14, NotACount { count: -1.0 }),
+        ("4 0 1 2 3", "-1", 14, NotACount { count: word("-1") }),
         ("4 0 1 2 3", "1e18 0 1 2", 14, WrongRow { more: false }),
     ] {
         assert!(text.contains(from));
@@ -245,6 +245,10 @@ fn whole_numbers_of_faces_are_regions() {
     assert_eq!(regions("property int material_index\nproperty int flags", rows), first);
     let second = named(["region_5", "region_6"], vec![0, 0, 0, 1]);
     assert_eq!(regions("property int material_index\nproperty int region", rows), second);
+    // Names are comments.
+    let named_text = text("property int region\nproperty int flags", rows)
+        .replace("element face", "comment region 8 the  nose\ncomment region\nelement face");
+    assert_eq!(parse(named_text).expect("it is valid").regions, named(["the nose", "region_-1"], vec![0, 0, 1, 0]));
     assert_eq!(regions("property float region\nproperty int flags", rows), Regions::default());
 }
 

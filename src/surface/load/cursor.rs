@@ -141,7 +141,7 @@ impl<'a> Cursor<'a> {
     pub fn count(&mut self, kind: Type) -> Result<usize, Stop> {
         let count = self.value(kind)?;
         if count < 0.0 || count.fract() != 0.0 {
-            return Err(Fault::NotACount { count }.into());
+            return Err(Fault::NotACount { count: count.to_string() }.into());
         }
         Ok(count as usize)
     }

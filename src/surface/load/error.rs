@@ -50,8 +50,28 @@ pub enum LoadError {
         /// The format that the file has.
         found: Format,
     },
+    /// The file is of another kind than meshes that are read.
+    #[error("{file} is {kind}, which is not read; {remedy}")]
+    Foreign {
+        /// The file's name.
+        file: String,
+        /// What it is.
+        kind: &'static str,
+        /// What to do with it.
+        remedy: &'static str,
+    },
+    /// A file in gzip is damaged.
+    #[error("{file} is packed by gzip and cannot be unpacked ({source}); copy or pack it again")]
+    Packed {
+        /// The file's name.
+        file: String,
+        /// What is wrong.
+        source: io::Error,
+    },
     /// The file holds bytes that no text has, and is of no binary format that we know.
-    #[error("{file} is not a text file (byte {offset} is zero) and no binary STL or PLY; export it as OBJ, STL or PLY")]
+    #[error(
+        "{file} is not a text file (byte {offset} is zero) and of no binary format that is read; export it as OBJ, STL or PLY"
+    )]
     Binary {
         /// The file's name.
         file: String,
@@ -204,6 +224,14 @@ pub enum Fault {
         /// The number of vertices.
         vertices: usize,
     },
+    /// A kind of the format that is not read.
+    #[error("{what} is not read; {remedy}")]
+    Unsupported {
+        /// What is not read.
+        what: String,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// A face with fewer than three corners.
     #[error("the face has {count} corners but needs at least 3; complete it or take it out")]
     TooFewIndices {
@@ -263,7 +291,7 @@ pub enum Fault {
         /// The type, shortened.
         word: String,
     },
-    /// PLY: nothing tells how the data is written, or where coordinates or faces are.
+    /// A header does not tell how the data is written, or how much there is, or where coordinates or faces are.
     #[error("the header ends without {what}; export the file as a surface")]
     HeaderLacks {
         /// What is missing.
@@ -272,8 +300,8 @@ pub enum Fault {
     /// A count, such as a list's length, is no whole number, or negative.
     #[error("{count} is no count; write a whole number from 0 up")]
     NotACount {
-        /// What is written.
-        count: f64,
+        /// What is written, shortened.
+        count: String,
     },
     /// A value is not a number.
     #[error("the value {word:?} is not a number; write it like 3, 0.25 or 2.5e-1")]
@@ -281,7 +309,7 @@ pub enum Fault {
         /// The value as written, shortened.
         word: String,
     },
-    /// PLY: a row of text with more or fewer values than the header says.
+    /// A row of text with more or fewer values than the header says.
     #[error("the line has too {} values; write as many as the header says", if *.more { "many" } else { "few" })]
     WrongRow {
         /// There are more than the header says.

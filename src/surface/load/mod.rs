@@ -8,7 +8,9 @@
 
 mod cursor;
 mod error;
+mod foreign;
 mod obj;
+mod off;
 mod ply;
 mod polygons;
 mod stl;
@@ -18,9 +20,10 @@ pub use error::{Fault, LoadError, Place};
 pub(crate) use polygons::Polygons;
 
 use super::{Regions, Soup};
+use flate2::read::MultiGzDecoder;
 use std::fmt;
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 use std::str::FromStr;
 
@@ -33,11 +36,13 @@ pub enum Format {
     Stl,
     /// PLY, ASCII or binary.
     Ply,
+    /// OFF, ASCII.
+    Off,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Obj, Self::Stl, Self::Ply];
+    pub const ALL: [Self; 4] = [Self::Obj, Self::Stl, Self::Ply, Self::Off];
 
     /// The name that [`Format::from_str`] knows.
     pub fn name(self) -> &'static str {
@@ -45,6 +50,7 @@ impl Format {
             Self::Obj => "obj",
             Self::Stl => "stl",
             Self::Ply => "ply",
+            Self::Off => "off",
         }
     }
 
@@ -52,6 +58,8 @@ impl Format {
     fn of(bytes: &[u8]) -> Option<Self> {
         if ply::recognises(bytes) {
             Some(Self::Ply)
+        } else if off::recognises(bytes) {
+            Some(Self::Off)
         } else if stl::recognises(bytes) {
             Some(Self::Stl)
         } else {
@@ -71,7 +79,10 @@ impl FromStr for Format {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let found = Self::ALL.into_iter().find(|format| text.eq_ignore_ascii_case(format.name()));
-        found.ok_or_else(|| "the formats are obj, stl and ply".to_owned())
+        found.ok_or_else(|| {
+            let names: Vec<_> = Self::ALL.iter().map(|format| format.name()).collect();
+            format!("the formats are {}", names.join(", "))
+        })
     }
 }
 
@@ -123,18 +134,30 @@ pub(crate) fn ply_sizes(bytes: &[u8], name: &str) -> Option<Result<Vec<[f64; 4]>
 /// With no more bytes, vertices and corners can be counted in 32 bits.
 const MOST_BYTES: u64 = u32::MAX as u64;
 
+/// What files in gzip begin with.
+const GZIP: [u8; 2] = [0x1F, 0x8B];
+
 fn polygons_of(stream: impl Read, name: &str, format: Option<Format>) -> Result<Polygons, LoadError> {
     let file = || name.to_owned();
-    let mut bytes = Vec::new();
-    let length = stream.take(MOST_BYTES + 1).read_to_end(&mut bytes);
-    if length.map_err(|source| LoadError::Unreadable { file: file(), source })? as u64 > MOST_BYTES {
-        return Err(LoadError::TooLarge { file: file() });
+    let all_of = |stream: &mut dyn Read, failed: fn(String, io::Error) -> LoadError| {
+        let mut bytes = Vec::new();
+        let length = stream.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|source| failed(file(), source))?;
+        if length as u64 > MOST_BYTES { Err(LoadError::TooLarge { file: file() }) } else { Ok(bytes) }
+    };
+    let mut stream = stream;
+    let mut bytes = all_of(&mut stream, |file, source| LoadError::Unreadable { file, source })?;
+    if bytes.starts_with(&GZIP) {
+        let mut packed = MultiGzDecoder::new(&bytes[..]);
+        bytes = all_of(&mut packed, |file, source| LoadError::Packed { file, source })?;
     }
     if bytes.is_empty() {
         return Err(LoadError::Empty { file: file() });
     }
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
     let bytes = &*text::with_line_feeds(bytes);
+    if let Some(error) = foreign::refused(bytes, name) {
+        return Err(error);
+    }
     let found = Format::of(bytes);
     if let (Some(asked), Some(found)) = (format, found)
         && asked != found
@@ -144,9 +167,13 @@ fn polygons_of(stream: impl Read, name: &str, format: Option<Format>) -> Result<
     match format.or(found) {
         Some(Format::Ply) => ply::parse(bytes, name),
         Some(Format::Stl) => stl::parse(bytes, name),
+        Some(Format::Off) => off::parse(bytes, name),
         Some(Format::Obj) | None => match bytes.iter().position(|&byte| byte == 0) {
             Some(offset) => Err(LoadError::Binary { file: file(), offset }),
-            None => obj::parse(bytes, name),
+            None => {
+                let foreign = foreign::refused_text(bytes, name).filter(|_| format.or(found).is_none());
+                foreign.map_or_else(|| obj::parse(bytes, name), Err)
+            }
         },
     }
 }

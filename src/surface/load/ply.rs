@@ -4,7 +4,8 @@
 use super::cursor::{Cursor, Encoding, Stop, Type, vertex};
 use super::text::{parsed, shown, words};
 use super::{Fault, LoadError, Polygons, Regions};
-use crate::surface::regions::attribute_rank;
+use crate::surface::regions::{Numbers, attribute_rank};
+use rustc_hash::FxHashMap;
 
 pub(super) fn recognises(bytes: &[u8]) -> bool {
     bytes.strip_prefix(b"ply").and_then(|rest| rest.first()).is_some_and(u8::is_ascii_whitespace)
@@ -19,7 +20,8 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
     if faces == 0 {
         return Err(LoadError::NoFaces { file: file.to_owned(), vertices });
     }
-    let mut rows = Rows::default();
+    let regions = Numbers { names: header.region_names(bytes), ..Numbers::default() };
+    let mut rows = Rows { regions, ..Rows::default() };
     let mut points = Vec::new();
     // Where the vertices are that are not finite; only those that a face uses are wrong.
     let mut nowhere = Vec::new();
@@ -104,8 +106,7 @@ enum Role {
 #[derive(Default)]
 struct Rows {
     polygons: Polygons,
-    /// Numbers of regions, each with the number of faces that came before it.
-    regions: Vec<(usize, f64)>,
+    regions: Numbers,
 }
 
 impl<'a> Header<'a> {
@@ -181,6 +182,17 @@ impl<'a> Header<'a> {
         if let Some((_, property)) = ranked.min_by_key(|(rank, _)| *rank) {
             property.role = Role::Region;
         }
+    }
+
+    /// The names of regions, which comments tell: `comment region 3 wing`.
+    fn region_names(&self, bytes: &[u8]) -> FxHashMap<i64, String> {
+        let named = |line: &[u8]| {
+            let mut words = words(line);
+            let is_name = words.next() == Some(b"comment") && words.next() == Some(b"region");
+            let number = words.next().filter(|_| is_name).and_then(parsed)?;
+            Some((number, words.map(String::from_utf8_lossy).collect::<Vec<_>>().join(" ")))
+        };
+        bytes[..self.body.at].split(|&byte| byte == b'\n').filter_map(named).collect()
     }
 
     /// The name of the property that tells the regions of faces.
@@ -278,14 +290,14 @@ impl Element {
                 match role {
                     Role::Axis(axis) => values[axis] = number,
                     Role::Size => values[3] = number,
-                    Role::Region => rows.regions.push((faces, number)),
+                    Role::Region => rows.regions.marks.push((faces, number as i64)),
                     Role::Corners | Role::Strips | Role::Ignored => {}
                 }
                 continue;
             };
             let count = cursor.value_in_line(length)?;
             if count < 0.0 || count.fract() != 0.0 {
-                return Err(Fault::NotACount { count }.into());
+                return Err(Fault::NotACount { count: count.to_string() }.into());
             }
             let count = count as usize;
             match role {

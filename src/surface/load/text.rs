@@ -11,6 +11,18 @@ pub fn with_line_feeds(bytes: &[u8]) -> Cow<'_, [u8]> {
     bytes.iter().map(|&byte| if byte == b'\r' { b'\n' } else { byte }).collect()
 }
 
+/// The lines of a text that say something, up to a `#`, without outer blanks, each with its number, counted from 1.
+pub fn content_lines(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    let lines = (1..).zip(text.split(|&byte| byte == b'\n').map(content));
+    lines.filter(|(_, line)| !line.is_empty())
+}
+
+/// A line up to a `#`, without outer blanks.
+pub fn content(line: &[u8]) -> &[u8] {
+    let end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
+    line[..end].trim_ascii()
+}
+
 /// What is between the blanks of a line.
 pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())

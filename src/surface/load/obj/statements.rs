@@ -1,6 +1,6 @@
 //! The statements of an OBJ text that a surface is read from: vertices, faces and names.
 
-use super::super::text::words;
+use super::super::text::{content, words};
 use std::borrow::Cow;
 
 /// A statement with what follows its keyword.
@@ -55,11 +55,6 @@ pub fn lines(text: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
         }
         Some((number, line))
     })
-}
-
-fn content(line: &[u8]) -> &[u8] {
-    let end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
-    line[..end].trim_ascii()
 }
 
 /// The numbers of all vertices' lines and what follows their keyword.
