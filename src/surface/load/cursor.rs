@@ -1,7 +1,7 @@
 //! Values of a file one after the other, written as text or as bytes of either order.
 
 use super::text::{parsed, shown};
-use super::{Fault, LoadError, Place};
+use super::{Fault, LoadError, Place, Polygons};
 
 /// How values are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -208,5 +208,26 @@ pub fn vertex(index: f64, vertices: usize) -> Result<u32, Fault> {
         Ok(index as u32)
     } else {
         Err(Fault::NoSuchVertex { index, vertices })
+    }
+}
+
+/// Vertices that have no place in space, each with where it is written. Only those that a face uses are wrong.
+#[derive(Default)]
+pub struct Nowhere<'a>(Vec<(usize, Cursor<'a>)>);
+
+impl<'a> Nowhere<'a> {
+    /// Notes a vertex that is not finite.
+    pub fn note(&mut self, vertex: usize, point: [f64; 3], place: impl FnOnce() -> Cursor<'a>) {
+        if !point.iter().all(|coordinate| coordinate.is_finite()) {
+            self.0.push((vertex, place()));
+        }
+    }
+
+    /// The error for the first vertex that a face uses. A vertex is called `kind`.
+    pub fn error(&self, polygons: &Polygons, file: &str, kind: &str) -> Option<LoadError> {
+        let vertex = polygons.nowhere()?;
+        let (_, place) = self.0.iter().find(|wrong| wrong.0 == vertex)?;
+        let wrong = polygons.points[vertex].into_iter().find(|coordinate| !coordinate.is_finite())?;
+        Some(place.error(file, kind, vertex, Fault::NotFinite { word: wrong.to_string() }))
     }
 }

@@ -106,6 +106,14 @@ pub enum LoadError {
         /// How many are there as a whole.
         found: usize,
     },
+    /// The file ends within a section of MSH or VTK.
+    #[error("{file} ends within {section}; copy or export it again")]
+    EndsWithin {
+        /// The file's name.
+        file: String,
+        /// The section.
+        section: String,
+    },
     /// A binary STL file goes on where it should end.
     #[error("{file}: the header says {said} triangles, but {bytes} bytes follow them; export it again")]
     GoesOn {
@@ -231,6 +239,20 @@ pub enum Fault {
         what: String,
         /// What to do.
         remedy: &'static str,
+    },
+    /// MSH: a face uses a node that does not exist.
+    #[error("the face uses node {tag}, which is not among the nodes before it; correct the number or add the node")]
+    NoSuchNode {
+        /// The node's tag.
+        tag: f64,
+    },
+    /// MSH, VTK: another word is needed.
+    #[error("{word:?} stands where {wanted} should; export the file again")]
+    WrongWord {
+        /// The word, shortened.
+        word: String,
+        /// What should stand there.
+        wanted: String,
     },
     /// A face with fewer than three corners.
     #[error("the face has {count} corners but needs at least 3; complete it or take it out")]

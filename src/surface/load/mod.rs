@@ -9,6 +9,7 @@
 mod cursor;
 mod error;
 mod foreign;
+mod msh;
 mod obj;
 mod off;
 mod ply;
@@ -38,11 +39,13 @@ pub enum Format {
     Ply,
     /// OFF, ASCII.
     Off,
+    /// MSH of Gmsh, 2.2 and 4.1, ASCII or binary.
+    Msh,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Obj, Self::Stl, Self::Ply, Self::Off];
+    pub const ALL: [Self; 5] = [Self::Obj, Self::Stl, Self::Ply, Self::Off, Self::Msh];
 
     /// The name that [`Format::from_str`] knows.
     pub fn name(self) -> &'static str {
@@ -51,6 +54,7 @@ impl Format {
             Self::Stl => "stl",
             Self::Ply => "ply",
             Self::Off => "off",
+            Self::Msh => "msh",
         }
     }
 
@@ -58,6 +62,8 @@ impl Format {
     fn of(bytes: &[u8]) -> Option<Self> {
         if ply::recognises(bytes) {
             Some(Self::Ply)
+        } else if msh::recognises(bytes) {
+            Some(Self::Msh)
         } else if off::recognises(bytes) {
             Some(Self::Off)
         } else if stl::recognises(bytes) {
@@ -168,6 +174,7 @@ fn polygons_of(stream: impl Read, name: &str, format: Option<Format>) -> Result<
         Some(Format::Ply) => ply::parse(bytes, name),
         Some(Format::Stl) => stl::parse(bytes, name),
         Some(Format::Off) => off::parse(bytes, name),
+        Some(Format::Msh) => msh::parse(bytes, name),
         Some(Format::Obj) | None => match bytes.iter().position(|&byte| byte == 0) {
             Some(offset) => Err(LoadError::Binary { file: file(), offset }),
             None => {

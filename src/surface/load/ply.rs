@@ -1,7 +1,7 @@
 //! PLY, ASCII and binary of both byte orders: the coordinates of vertices, the corners and regions of faces, and strips of
 //! triangles. Other properties and elements are skipped.
 
-use super::cursor::{Cursor, Encoding, Stop, Type, vertex};
+use super::cursor::{Cursor, Encoding, Nowhere, Stop, Type, vertex};
 use super::text::{parsed, shown, words};
 use super::{Fault, LoadError, Polygons, Regions};
 use crate::surface::regions::{Numbers, attribute_rank};
@@ -23,13 +23,10 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
     let regions = Numbers { names: header.region_names(bytes), ..Numbers::default() };
     let mut rows = Rows { regions, ..Rows::default() };
     let mut points = Vec::new();
-    // Where the vertices are that are not finite; only those that a face uses are wrong.
-    let mut nowhere = Vec::new();
+    let mut nowhere = Nowhere::default();
     header.read(file, &mut rows, |row, start, [x, y, z, _]| {
+        nowhere.note(row, [x, y, z], || start);
         points.push([x, y, z]);
-        if ![x, y, z].iter().all(|coordinate| coordinate.is_finite()) {
-            nowhere.push((row, start));
-        }
     })?;
     let mut polygons = rows.polygons;
     polygons.points = points;
@@ -39,14 +36,10 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
     if polygons.ends.is_empty() {
         return Err(LoadError::NoFaces { file: file.to_owned(), vertices });
     }
-    if let Some(vertex) = polygons.nowhere()
-        && let Some((row, start)) = nowhere.into_iter().find(|wrong| wrong.0 == vertex)
-    {
-        let wrong = polygons.points[vertex].into_iter().find(|coordinate| !coordinate.is_finite());
-        let word = wrong.map_or(String::new(), |coordinate| coordinate.to_string());
-        return Err(start.error(file, VERTEX, row, Fault::NotFinite { word }));
+    match nowhere.error(&polygons, file, VERTEX) {
+        Some(error) => Err(error),
+        None => Ok(polygons),
     }
-    Ok(polygons)
 }
 
 /// The coordinates and the property `size` of all vertices.
