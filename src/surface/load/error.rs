@@ -160,6 +160,13 @@ impl LoadError {
 pub enum Place {
     /// A line of a text, counted from 1.
     Line(usize),
+    /// One of many things that a file lists.
+    Item {
+        /// Of what kind.
+        kind: &'static str,
+        /// Its number, counted from 0.
+        number: usize,
+    },
     /// A record of a binary file.
     Record {
         /// Of what kind.
@@ -175,6 +182,7 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(line) => write!(f, "line {line}"),
+            Self::Item { kind, number } => write!(f, "{kind} {number} (counted from 0)"),
             Self::Record { kind, number, byte } => write!(f, "{kind} {number} (counted from 0) at byte {byte}"),
         }
     }
@@ -239,6 +247,28 @@ pub enum Fault {
         what: String,
         /// What to do.
         remedy: &'static str,
+    },
+    /// VTK: the end of a cell is not after that of the one before it, or is past the last of the corners.
+    #[error("a cell ends at corner {end}, but it begins at {last}, and there are {numbers}; export the file again")]
+    NoCellEnd {
+        /// The end.
+        end: f64,
+        /// The end of the cell before it.
+        last: usize,
+        /// The number of corners of all cells.
+        numbers: usize,
+    },
+    /// VTU, VTP: an array has fewer bytes than its header says.
+    #[error("the data of the array is damaged or shorter than it says; copy or export the file again")]
+    ShortArray,
+    /// VTU, VTP: an array cannot be unpacked.
+    #[error("the array is compressed by zlib and cannot be unpacked; copy or export the file again")]
+    BadCompression,
+    /// VTU, VTP: the file is no XML.
+    #[error("the file is no XML ({reason}); export it again")]
+    NotXml {
+        /// What the reader said.
+        reason: String,
     },
     /// MSH: a face uses a node that does not exist.
     #[error("the face uses node {tag}, which is not among the nodes before it; correct the number or add the node")]

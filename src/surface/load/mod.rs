@@ -16,6 +16,7 @@ mod ply;
 mod polygons;
 mod stl;
 mod text;
+mod vtk;
 
 pub use error::{Fault, LoadError, Place};
 pub(crate) use polygons::Polygons;
@@ -41,11 +42,17 @@ pub enum Format {
     Off,
     /// MSH of Gmsh, 2.2 and 4.1, ASCII or binary.
     Msh,
+    /// VTK legacy, ASCII or binary.
+    Vtk,
+    /// VTU, an unstructured grid as XML.
+    Vtu,
+    /// VTP, poly data as XML.
+    Vtp,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Obj, Self::Stl, Self::Ply, Self::Off, Self::Msh];
+    pub const ALL: [Self; 8] = [Self::Obj, Self::Stl, Self::Ply, Self::Off, Self::Msh, Self::Vtk, Self::Vtu, Self::Vtp];
 
     /// The name that [`Format::from_str`] knows.
     pub fn name(self) -> &'static str {
@@ -55,6 +62,9 @@ impl Format {
             Self::Ply => "ply",
             Self::Off => "off",
             Self::Msh => "msh",
+            Self::Vtk => "vtk",
+            Self::Vtu => "vtu",
+            Self::Vtp => "vtp",
         }
     }
 
@@ -64,6 +74,11 @@ impl Format {
             Some(Self::Ply)
         } else if msh::recognises(bytes) {
             Some(Self::Msh)
+        } else if vtk::legacy::recognises(bytes) {
+            Some(Self::Vtk)
+        } else if let Some(data_set) = vtk::xml::data_set(bytes) {
+            // Of any other data set, the reader says that it is none of a surface.
+            Some(if data_set == "PolyData" { Self::Vtp } else { Self::Vtu })
         } else if off::recognises(bytes) {
             Some(Self::Off)
         } else if stl::recognises(bytes) {
@@ -175,6 +190,8 @@ fn polygons_of(stream: impl Read, name: &str, format: Option<Format>) -> Result<
         Some(Format::Stl) => stl::parse(bytes, name),
         Some(Format::Off) => off::parse(bytes, name),
         Some(Format::Msh) => msh::parse(bytes, name),
+        Some(Format::Vtk) => vtk::legacy::parse(bytes, name),
+        Some(Format::Vtu | Format::Vtp) => vtk::xml::parse(bytes, name),
         Some(Format::Obj) | None => match bytes.iter().position(|&byte| byte == 0) {
             Some(offset) => Err(LoadError::Binary { file: file(), offset }),
             None => {
