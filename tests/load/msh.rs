@@ -176,6 +176,19 @@ fn physical_groups_are_regions() {
     }
 }
 
+/// MSH 2.2 has a face once for each of its groups.
+#[test]
+fn a_face_in_two_groups_is_one() {
+    let text = String::from_utf8(two(&POINTS, &FACES, Encoding::Ascii)).expect("it is text");
+    let thrice = text.replace("3 2 2 0 1 40 30 50 ", "3 2 2 7 1 40 30 50\n4 2 2 8 1 40 30 50\n5 2 2 9 1 40 30 50");
+    let soup = parse(thrice.replace("Elements\n3", "Elements\n5")).expect("it is valid");
+    assert_eq!(soup.triangles.len(), 3);
+    assert_eq!(soup.regions, named(&["upper skin", "upper skin tip physical_9"], &[0, 0, 1]));
+    let turned = text.replace("3 2 2 0 1 40 30 50 ", "3 2 2 7 1 40 30 50\n4 2 2 8 1 30 50 40");
+    let soup = parse(turned.replace("Elements\n3", "Elements\n4")).expect("it is valid");
+    assert_eq!(soup.triangles.len(), 4, "other corners, or another first one, are another face");
+}
+
 #[test]
 fn faces_of_higher_order_have_their_corners() {
     let text = String::from_utf8(two(&POINTS, &FACES, Encoding::Ascii)).expect("it is text");
@@ -212,7 +225,7 @@ fn wrong_places_are_named() {
     let cut = parse(text.replace("$EndElements\n", "")).expect_err("it is cut off").to_string();
     assert_eq!(cut, "wing.msh ends within $Elements; copy or export it again");
     for (from, to, message) in [
-        ("2.2 0 8", "4 0 8", "line 2: version 4 of MSH is not read; write it as 4.1 or 2.2"),
+        ("2.2 0 8", "4 0 8", "line 2: version \"4\" of MSH is not read; write it as 4.1 or 2.2"),
         ("2.2 0 8", "2.2 0 4", "line 2: MSH with numbers of 4 bytes is not read"),
         ("$Nodes\n5", "$Nodes\n4000000000000", "line 21: the value \"$EndNodes\" is not a number"),
         ("3 2 2 0 1 40 30 50", "3 4 2 0 1 40 30 50 10", ""),

@@ -265,7 +265,7 @@ pub enum Fault {
     #[error("the array is compressed by zlib and cannot be unpacked; copy or export the file again")]
     BadCompression,
     /// VTU, VTP: the file is no XML.
-    #[error("the file is no XML ({reason}); export it again")]
+    #[error("the file is no XML ({reason:?}); export it again")]
     NotXml {
         /// What the reader said.
         reason: String,
@@ -350,7 +350,7 @@ pub enum Fault {
         what: &'static str,
     },
     /// A count, such as a list's length, is no whole number, or negative.
-    #[error("{count} is no count; write a whole number from 0 up")]
+    #[error("{count:?} is no count; write a whole number from 0 up")]
     NotACount {
         /// What is written, shortened.
         count: String,

@@ -29,6 +29,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
         record: ("section", 0, 0),
         groups: FxHashMap::default(),
         regions: Numbers::default(),
+        joined: FxHashMap::default(),
         polygons: Polygons::default(),
     };
     while let Ok(word) = reader.cursor.word() {
@@ -41,7 +42,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
     if polygons.ends.is_empty() {
         return Err(LoadError::NoFaces { file: file.to_owned(), vertices: polygons.points.len() });
     }
-    polygons.regions = Regions::from_numbers(&regions, "physical", polygons.ends.len());
+    polygons.regions = Regions::from_numbers(&regions, ATTRIBUTE, polygons.ends.len());
     match nowhere.error(&polygons, file, "node") {
         Some(error) => Err(error),
         None => Ok(polygons),
@@ -97,6 +98,8 @@ struct Reader<'a> {
     /// The number of the region of each surface, in 4.1.
     groups: FxHashMap<i64, i64>,
     regions: Numbers,
+    /// The numbers of regions that are in two groups.
+    joined: FxHashMap<(i64, i64), i64>,
     polygons: Polygons,
 }
 
@@ -113,7 +116,9 @@ impl Reader<'_> {
             Err(wrong_word(word, "a section such as $Nodes"))
         };
         read.map_err(|stop| match stop {
-            Stop::End => LoadError::EndsWithin { file: self.file.to_owned(), section: format!("${name}") },
+            Stop::End => {
+                LoadError::EndsWithin { file: self.file.to_owned(), section: format!("${}", name.escape_debug()) }
+            }
             Stop::Fault(fault) => {
                 let (kind, number, at) = self.record;
                 Cursor { at, encoding: self.encoding, ..self.cursor }.error(self.file, kind, number, fault)
@@ -275,11 +280,13 @@ impl Reader<'_> {
 
     /// Tags, the first of which is the physical group, and nodes, so many if the number is known.
     fn element_2(&mut self, kind: usize, tags: usize, nodes: Option<usize>) -> Result<(), Stop> {
-        let group = if tags > 0 { self.cursor.value(INT)? as i64 } else { 0 };
+        // The sign is that of the surface's side.
+        let group = if tags > 0 { (self.cursor.value(INT)? as i64).saturating_abs() } else { 0 };
         self.cursor.skip(tags.saturating_sub(1), INT)?;
         let corners = corners_of(kind);
         if corners > 0 {
             self.face(corners, INT, Some(group).filter(|&group| group != 0))?;
+            self.join_with_last();
         }
         self.cursor.skip(nodes.map_or(0, |nodes| nodes - corners), INT)
     }
@@ -295,13 +302,12 @@ impl Reader<'_> {
         Ok(self.polygons.end_face()?)
     }
 
-    /// The physical groups of surfaces. A surface in several has their names one after the other.
+    /// The physical groups of surfaces.
     fn entities(&mut self) -> Result<(), Stop> {
         let mut counts = [0; 4];
         for count in &mut counts {
             *count = self.cursor.count(SIZE)?;
         }
-        let mut joined = 0;
         for (dimension, count) in counts.into_iter().enumerate() {
             for number in 0..count {
                 self.begin(["point", "curve", "surface", "volume"][dimension], number);
@@ -311,29 +317,51 @@ impl Reader<'_> {
                 let mut groups = Vec::new();
                 for _ in 0..self.cursor.count(SIZE)? {
                     // The sign is that of the surface's side.
-                    groups.push((self.cursor.value(INT)? as i64).abs());
+                    groups.push((self.cursor.value(INT)? as i64).saturating_abs());
                 }
                 if dimension > 0 {
                     let boundary = self.cursor.count(SIZE)?;
                     self.cursor.skip(boundary, INT)?;
                 }
-                if let (2, &[first, ref others @ ..]) = (dimension, &groups[..]) {
-                    let group = if others.is_empty() {
-                        first
-                    } else {
-                        joined -= 1;
-                        let name = |group: &i64| {
-                            self.regions.names.get(group).cloned().unwrap_or_else(|| format!("physical_{group}"))
-                        };
-                        let name = groups.iter().map(name).collect::<Vec<_>>().join(" ");
-                        self.regions.names.insert(joined, name);
-                        joined
-                    };
+                if let Some(group) =
+                    groups.into_iter().reduce(|all, group| self.joined(all, group)).filter(|_| dimension == 2)
+                {
                     self.groups.insert(tag, group);
                 }
             }
         }
         Ok(())
+    }
+
+    /// The number of the region that is in two groups. Its name is those of both; it is negative, as no group's is.
+    fn joined(&mut self, first: i64, second: i64) -> i64 {
+        let next = -1 - self.joined.len() as i64;
+        *self.joined.entry((first, second)).or_insert_with(|| {
+            let names = &mut self.regions.names;
+            let name = |group: i64| names.get(&group).cloned().unwrap_or_else(|| format!("{ATTRIBUTE}_{group}"));
+            let name = format!("{} {}", name(first), name(second));
+            names.insert(next, name);
+            next
+        })
+    }
+
+    /// A face in two groups is written twice, one after the other; here it is one face, in both.
+    fn join_with_last(&mut self) {
+        let polygons = &mut self.polygons;
+        let starts = |back: usize| polygons.ends.len().checked_sub(back).map_or(0, |face| polygons.ends[face] as usize);
+        let (last, before) = (starts(2), starts(3));
+        let is_same = polygons.ends.len() > 1 && polygons.corners[before..last] == polygons.corners[last..];
+        let marks = &mut self.regions.marks;
+        if let (true, &[.., (face, first), (second_face, second)]) = (is_same, &marks[..])
+            && face + 1 == second_face
+            && second_face + 1 == polygons.ends.len()
+        {
+            polygons.ends.pop();
+            polygons.corners.truncate(last);
+            marks.truncate(marks.len() - 2);
+            let region = self.joined(first, second);
+            self.regions.marks.push((face, region));
+        }
     }
 
     /// Blocks, one an entity: all tags, then all places, with parameters on the entity if it says so.
@@ -391,6 +419,9 @@ impl Reader<'_> {
     }
 }
 
+/// What the number of a group without a name is called.
+const ATTRIBUTE: &str = "physical";
+
 /// The types of the numbers of MSH, where they are binary: those of 2.2 and tags of entities, and those of 4.1.
 const INT: Type = Type::I32;
 const SIZE: Type = Type::U64;
@@ -400,7 +431,7 @@ fn wrong_word(word: &[u8], wanted: &str) -> Stop {
 }
 
 fn unsupported_version(version: &str) -> Fault {
-    let what = format!("version {version} of MSH");
+    let what = format!("version {version:?} of MSH");
     Fault::Unsupported { what, remedy: "write it as 4.1 or 2.2 (gmsh -format msh41)" }
 }
 

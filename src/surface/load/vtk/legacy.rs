@@ -163,7 +163,7 @@ impl<'a> Reader<'a> {
         if [&b"POLYDATA"[..], b"UNSTRUCTURED_GRID"].iter().any(|read| kind.eq_ignore_ascii_case(read)) {
             return Ok(());
         }
-        let what = format!("the VTK data set {}", shown(kind));
+        let what = format!("the VTK data set {:?}", shown(kind));
         Err(Fault::Unsupported { what, remedy: "extract its surface in ParaView and save it as VTP or VTU" }.into())
     }
 

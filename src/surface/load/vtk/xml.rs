@@ -244,7 +244,7 @@ impl<'a> Document<'a> {
 fn coding_of(element: &BytesStart) -> Result<Coding, Fault> {
     let data_set = attribute(element, "type").unwrap_or_default();
     if !["UnstructuredGrid", "PolyData"].contains(&&*data_set) {
-        let what = format!("the VTK data set {}", shown(data_set.as_bytes()));
+        let what = format!("the VTK data set {:?}", shown(data_set.as_bytes()));
         return Err(Fault::Unsupported { what, remedy: "extract its surface in ParaView and save it as VTP or VTU" });
     }
     let is = |name: &str, value: &str| attribute(element, name).is_some_and(|found| found == value);
@@ -252,7 +252,7 @@ fn coding_of(element: &BytesStart) -> Result<Coding, Fault> {
     match compressor.as_deref() {
         None | Some("vtkZLibDataCompressor") => {}
         Some(other) => {
-            let what = format!("data compressed by {}", shown(other.as_bytes()));
+            let what = format!("data compressed by {:?}", shown(other.as_bytes()));
             return Err(Fault::Unsupported { what, remedy: "save the file with ZLib or without compression" });
         }
     }
