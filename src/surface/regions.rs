@@ -1,33 +1,18 @@
-//! Named parts of a surface: the groups and materials of an OBJ file, the solids of an STL file.
+//! Named parts of a surface: groups and materials, solids, physical groups, or numbers of faces.
 
 use rustc_hash::FxHashMap;
 
-/// Integer attributes of faces that tell their regions, in PLY, VTK, VTU and VTP. Of several, the first in this order counts; case
-/// and whatever is neither letter nor digit do not matter. `gmsh:physical` and `CellEntityIds` are written by programs that
-/// convert MSH.
-const ATTRIBUTES: [&str; 16] = [
-    "region",
-    "regionid",
-    "patch",
-    "patchid",
-    "label",
-    "labels",
-    "materialindex",
-    "materialid",
-    "material",
-    "part",
-    "partid",
-    "group",
-    "groupid",
-    "gmshphysical",
-    "physical",
-    "cellentityids",
-];
+/// Integer attributes of faces that tell their regions, in PLY, VTK, VTU and VTP. Programs that convert MSH write `gmsh:physical` or
+/// `CellEntityIds`.
+const ATTRIBUTES: [&str; 9] =
+    ["region", "patch", "label", "material", "part", "group", "gmshphysical", "physical", "cellentity"];
 
-/// The rank of an attribute among those that tell regions; none for others.
+/// The rank of an attribute among those that tell regions; none for others. Case, whatever is neither letter nor digit, and `id`,
+/// `index` or a plural at the end do not matter.
 pub(crate) fn attribute_rank(name: &str) -> Option<usize> {
     let plain: String = name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect();
-    ATTRIBUTES.iter().position(|known| *known == plain)
+    let stem = ["ids", "id", "index", "s"].iter().find_map(|ending| plain.strip_suffix(ending));
+    ATTRIBUTES.iter().position(|known| *known == stem.unwrap_or(&plain))
 }
 
 /// Which named part each face belongs to: triangles of a surface, faces of a mesh.
@@ -148,7 +133,9 @@ mod tests {
     fn attributes_are_known_by_letters_and_digits() {
         assert!(attribute_rank("Region ID") == attribute_rank("region_id") && attribute_rank("region_id").is_some());
         assert!(attribute_rank("region") < attribute_rank("gmsh:physical"));
-        assert_eq!([attribute_rank("red"), attribute_rank("")], [None, None]);
+        assert_eq!(attribute_rank("Labels"), attribute_rank("label"));
+        assert_eq!(attribute_rank("material_index"), attribute_rank("MaterialIds"));
+        assert_eq!(["red", "", "id", "subregion"].map(attribute_rank), [None; 4]);
     }
 
     #[test]

@@ -1,10 +1,23 @@
 //! Reads surfaces from files.
 //!
 //! # Practice
-//! The content tells the format, whatever the file's name. OBJ is read through the crate `tobj`. STL and PLY have readers of
-//! our own, for what crates do not give (`stl_io` 0.11, `ply-rs-bw` 4.0 and `serde-ply` 0.2 were looked at): one sentence
-//! with the line or byte for every fault, coordinates as f64, names of solids, and binary STL files that begin with `solid`.
-//! No count in a header is trusted: memory follows the bytes that are there.
+//! The content tells the format, whatever the file's name; a file in gzip is unpacked first. OBJ is read through the crate `tobj`,
+//! XML through `quick-xml`, and `flate2` and `base64` unpack. The other formats have readers of our own, for what crates do not
+//! give (`stl_io` 0.11, `ply-rs-bw` 4.0, `serde-ply` 0.2, `mshio` 0.4 and `vtkio` 0.6 were looked at): one sentence with the line
+//! or byte for every fault, coordinates as f64, names of regions, and files as other programs write them. No count in a header is
+//! trusted: memory follows the bytes that are there.
+//!
+//! # Regions
+//! | format | regions |
+//! |---|---|
+//! | OBJ | `g`, or `o` where there is no `g`, and `usemtl`: both names, apart by a blank |
+//! | STL | solids of ASCII files |
+//! | PLY | an integer property of `face`; names by comments like `comment region 3 wing` |
+//! | MSH | physical groups of surfaces; of a face in several, all names |
+//! | VTK, VTU, VTP | an integer array of cells; names by the field data `region_names`, from 0 |
+//!
+//! The integer is the first of `region`, `patch`, `label`, `material`, `part`, `group`, `gmsh:physical`, `physical` and `CellEntity`
+//! that a file has. Case, whatever is neither letter nor digit, and `id`, `index` or a plural at the end do not matter.
 
 mod cursor;
 mod error;
