@@ -205,7 +205,7 @@ fn damaged_files_do_no_harm() {
     };
     let (mut read, mut refused) = (0, 0);
     for (ending, bytes) in tetrahedra().into_iter().chain(grids()) {
-        for _ in 0..2000 {
+        for _ in 0..1000 {
             let mut damaged = bytes.clone();
             for _ in 0..1 + random(3) {
                 let (place, byte) = (random(damaged.len()), random(256) as u8);

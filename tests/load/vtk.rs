@@ -20,19 +20,24 @@ pub fn legacy(points: &[[f32; 3]], faces: &[&[u32]], is_binary: bool, is_new: bo
     };
     text(format!("# vtk DataFile Version {}\nmade by hand\n", if is_new { "5.1" } else { "3.0" }));
     text(format!("{}\nDATASET UNSTRUCTURED_GRID\n", if is_binary { "BINARY" } else { "ASCII" }));
-    text("FIELD FieldData 2\nTIME 1 1 double\n".to_owned());
+    text("FIELD FieldData 4\nTIME 1 1 double\n".to_owned());
     let mut put = |part: &[u8]| bytes.extend(part);
     if is_binary {
         put(&2.5_f64.to_be_bytes())
     } else {
         put(b"2.5")
     }
-    put(b"\nMETADATA\nINFORMATION 0\n\nregion_names 1 2 string\n");
-    for name in ["upper skin", "tip"] {
+    put(b"\nMETADATA\nINFORMATION 0\n\nby 1 2 string\n");
+    for name in ["somebody", "else"] {
         match is_binary {
             true => put(&[&[0xC0 | name.len() as u8], name.as_bytes()].concat()),
-            false => put((name.replace(' ', "%20") + "\n").as_bytes()),
+            false => put(format!("{name}\n").as_bytes()),
         }
+    }
+    for (region, name) in ["upper%20skin", "tip"].into_iter().enumerate() {
+        put(format!("\n{name} 2 1 int\n").as_bytes());
+        number(&mut put, region as i64, 4);
+        number(&mut put, 2, 4);
     }
     put(format!("\nPOINTS {} float\n", points.len()).as_bytes());
     for coordinate in points.as_flattened() {
@@ -89,8 +94,10 @@ pub fn xml(points: &[[f32; 3]], faces: &[&[u32]], is_poly: bool, arrays: Arrays,
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"{data_set}\" version=\"1.0\" byte_order=\"BigEndian\" \
          header_type=\"UInt64\"{compressor}>\n<!-- made by hand -->\n<{data_set}>\n<FieldData>\n"
     );
-    let codes = |name: &str| name.bytes().map(i64::from).chain([0]).collect::<Vec<_>>();
-    file.array("String", "region_names", 1, &[codes("upper skin"), codes("tip")].concat());
+    file.array("String", "by", 1, &[98, 121, 0]);
+    file.array("Int32", "upper skin &lt;1&gt;", 2, &[0, 2]);
+    file.array("Int64", "tip", 2, &[1, 2]);
+    file.array("Int32", "1D", 2, &[1, 1]);
     file.text += "</FieldData>\n";
     let (first, second) = faces.split_at(faces.len() / 2);
     for (piece, faces) in [first, second].into_iter().enumerate() {
@@ -237,10 +244,11 @@ fn numbers_of_cells_are_regions() {
             // The points of the second piece come after those of the first.
             assert_eq!((soup.points.len(), soup.triangles.len()), (10, 3));
             assert_eq!(soup.triangles[2], [8, 7, 9]);
-            assert_eq!(soup.regions, regions);
+            assert_eq!(soup.regions.names, ["upper skin <1>", "tip"]);
+            assert_eq!(soup.regions.of_face, regions.of_face);
         }
     }
-    let unnamed = plain().replace("region_names", "names");
+    let unnamed = plain().replace("0 2 ", "0 3 ").replace("1 2 \nPOINTS", "1 1 \nPOINTS");
     assert_eq!(parse(unnamed).expect("it is valid").regions.names, ["Region_0", "Region_1"]);
     let floats = plain().replace("3 int", "3 float");
     assert_eq!(parse(floats).expect("it is valid").regions, Regions::default());

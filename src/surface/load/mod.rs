@@ -14,7 +14,7 @@
 //! | STL | solids of ASCII files |
 //! | PLY | an integer property of `face`; names by comments like `comment region 3 wing` |
 //! | MSH | physical groups of surfaces; of a face in several, all names |
-//! | VTK, VTU, VTP | an integer array of cells; names by the field data `region_names`, from 0 |
+//! | VTK, VTU, VTP | an integer array of cells; names by field data, as `wing` of the integers 3 and 2 |
 //!
 //! The integer is the first of `region`, `patch`, `label`, `material`, `part`, `group`, `gmsh:physical`, `physical` and `CellEntity`
 //! that a file has. Case, whatever is neither letter nor digit, and `id`, `index` or a plural at the end do not matter.

@@ -47,7 +47,8 @@ impl Polygons {
     /// Adds the triangles of a strip: every vertex after the second makes one with the two before it, every other turned over.
     /// Triangles that use a vertex twice, which join strips, are left out.
     pub fn push_strip(&mut self, strip: &[u32]) {
-        for (place, &[a, b, c]) in strip.array_windows().enumerate() {
+        for (place, corners) in strip.windows(3).enumerate() {
+            let [a, b, c] = [corners[0], corners[1], corners[2]];
             if a != b && b != c && c != a {
                 self.corners.extend(if place % 2 == 0 { [a, b, c] } else { [b, a, c] });
                 self.ends.push(self.corners.len() as u32);

@@ -3,7 +3,8 @@
 use super::super::cursor::{Cursor, Encoding, Nowhere, Stop, Type};
 use super::super::text::{parsed, shown};
 use super::super::{Fault, LoadError, Polygons};
-use super::{Cells, Faces, LINE, POLYGON, REGION_NAMES, RegionArray, STRIP, VERTEX};
+use super::{Cells, Faces, LINE, POLYGON, RegionArray, STRIP, VERTEX, named_region};
+use rustc_hash::FxHashMap;
 
 const MAGIC: &[u8] = b"# vtk DataFile";
 
@@ -24,7 +25,7 @@ pub fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
         kinds: Vec::new(),
         attributes: None,
         region: None,
-        names: Vec::new(),
+        names: FxHashMap::default(),
     };
     reader.read().map_err(|stop| match stop {
         Stop::End => LoadError::EndsWithin { file: file.to_owned(), section: reader.section.clone() },
@@ -67,7 +68,8 @@ struct Reader<'a> {
     /// Whether arrays are those of cells, and how many tuples they have; none before the first section of them.
     attributes: Option<(bool, usize)>,
     region: Option<RegionArray>,
-    names: Vec<String>,
+    /// The names of regions by their numbers.
+    names: FxHashMap<i64, String>,
 }
 
 impl<'a> Reader<'a> {
@@ -278,14 +280,14 @@ impl<'a> Reader<'a> {
             Kind::Number(kind) => kind,
             Kind::Bits if self.encoding == Encoding::Ascii => Type::U8,
             Kind::Bits => return self.skip(count.div_ceil(8), Type::U8),
-            Kind::Text => {
-                let strings = self.strings(count)?;
-                if name == REGION_NAMES && self.attributes.is_none() {
-                    self.names = strings;
-                }
-                return Ok(());
-            }
+            Kind::Text => return self.skip_strings(count),
         };
+        if self.attributes.is_none() && kind.is_integer() && count == 2 {
+            if let Some(region) = named_region(&self.numbers(count, kind)?) {
+                self.names.insert(region, name.to_owned());
+            }
+            return Ok(());
+        }
         let of_cells = matches!(self.attributes, Some((true, _)));
         match RegionArray::rank(name, kind, components).filter(|_| of_cells) {
             Some(rank) if self.region.as_ref().is_none_or(|known| rank < known.rank) => {
@@ -305,25 +307,21 @@ impl<'a> Reader<'a> {
     }
 
     /// Strings: in text a line each; in binary after their length, whose size the first two bits tell.
-    fn strings(&mut self, count: usize) -> Result<Vec<String>, Stop> {
-        let mut strings = Vec::new();
+    fn skip_strings(&mut self, count: usize) -> Result<(), Stop> {
         for _ in 0..count {
+            let rest = self.cursor.rest();
+            let &first = rest.first().ok_or(Stop::End)?;
             if self.encoding == Encoding::Ascii {
-                if self.cursor.rest().is_empty() {
-                    return Err(Stop::End);
-                }
-                strings.push(decoded(self.cursor.rest_of_line()));
+                self.cursor.rest_of_line();
                 continue;
             }
-            let rest = self.cursor.rest();
-            let size = 1 << (3 - (rest.first().ok_or(Stop::End)? >> 6));
-            let bytes = rest.get(..size).ok_or(Stop::End)?;
-            let length = bytes.iter().skip(1).fold(u64::from(bytes[0] & 0x3F), |sum, &byte| sum << 8 | u64::from(byte));
-            let end = size.checked_add(length as usize).ok_or(Stop::End)?;
-            strings.push(String::from_utf8_lossy(rest.get(size..end).ok_or(Stop::End)?).into_owned());
-            self.cursor.at += end;
+            let size = 1 << (3 - (first >> 6));
+            let bytes = rest.get(1..size).ok_or(Stop::End)?;
+            let length = bytes.iter().fold(u64::from(first & 0x3F), |sum, &byte| sum << 8 | u64::from(byte));
+            let end = usize::try_from(length).ok().and_then(|length| size.checked_add(length));
+            self.cursor.at += end.filter(|&end| end <= rest.len()).ok_or(Stop::End)?;
         }
-        Ok(strings)
+        Ok(())
     }
 
     /// In binary files numbers begin on the line after those that tell what they are.

@@ -1,7 +1,8 @@
 //! VTK, legacy and XML (VTU, VTP): cells that are faces, with an integer array of cells as regions.
 //!
 //! Triangles, quads, pixels, polygons and strips are faces; of those of higher order the corners are taken. Points, lines and
-//! volumes are passed over. Names of regions are the field data `region_names`, an array of strings.
+//! volumes are passed over. Field data that is two integers, a number and 2, is the name of the region of that number, as `meshio`
+//! has it: 2 is the dimension.
 //!
 //! The crate `vtkio` was looked at: its last release (0.6.3) is of 2021, followed by release candidates, and its errors have no
 //! places. XML is read by `quick-xml`.
@@ -15,9 +16,7 @@ pub(super) mod xml;
 use super::cursor::{Encoding, Type};
 use super::{Fault, LoadError, Place, Polygons, Regions};
 use crate::surface::regions::{Numbers, attribute_rank};
-
-/// The field data that has the names of regions.
-const REGION_NAMES: &str = "region_names";
+use rustc_hash::FxHashMap;
 
 /// VTK's types of cells that all cells of a section have.
 const VERTEX: u8 = 2;
@@ -68,6 +67,14 @@ impl RegionArray {
     }
 }
 
+/// The number of the region that an array of field data names, if it names one.
+fn named_region(numbers: &[f64]) -> Option<i64> {
+    match *numbers {
+        [number, 2.0] => Some(number as i64),
+        _ => None,
+    }
+}
+
 /// What a file holds of a surface.
 #[derive(Default)]
 struct Faces {
@@ -93,7 +100,12 @@ impl Faces {
     }
 
     /// The polygons with their regions.
-    fn finish(self, file: &str, region: Option<RegionArray>, names: Vec<String>) -> Result<Polygons, LoadError> {
+    fn finish(
+        self,
+        file: &str,
+        region: Option<RegionArray>,
+        names: FxHashMap<i64, String>,
+    ) -> Result<Polygons, LoadError> {
         let mut polygons = self.polygons;
         let file = file.to_owned();
         if polygons.points.is_empty() {
@@ -108,7 +120,7 @@ impl Faces {
             let numbered = faces.filter(|(_, number)| !number.is_nan());
             let marks =
                 numbered.flat_map(|((&start, end), number)| (start..end).map(move |face| (face, number as i64)));
-            let numbers = Numbers { marks: marks.collect(), names: (0..).zip(names).collect() };
+            let numbers = Numbers { marks: marks.collect(), names };
             polygons.regions = Regions::from_numbers(&numbers, &name, polygons.ends.len());
         }
         Ok(polygons)
@@ -170,7 +182,7 @@ mod tests {
             assert_eq!(faces(kind, &all), Ok(vec![]), "{kind}");
         }
         for kind in [5, 7, 8, 9, 36] {
-            assert_eq!(faces(kind, &all[..2]).is_err(), true, "{kind}");
+            assert!(faces(kind, &all[..2]).is_err(), "{kind}");
         }
     }
 }

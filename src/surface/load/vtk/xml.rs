@@ -7,9 +7,10 @@ use super::super::cursor::{Cursor, Stop, Type, vertex};
 use super::super::text::{parsed, shown};
 use super::super::{Fault, LoadError, Place, Polygons};
 use super::payload::{self, Coding, Source};
-use super::{Cells, Faces, LINE, POLYGON, REGION_NAMES, RegionArray, STRIP, VERTEX};
-use quick_xml::Reader;
+use super::{Cells, Faces, LINE, POLYGON, RegionArray, STRIP, VERTEX, named_region};
 use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
+use rustc_hash::FxHashMap;
 
 /// The data set of a file: `UnstructuredGrid` is VTU, `PolyData` VTP.
 pub fn data_set(bytes: &[u8]) -> Option<String> {
@@ -33,8 +34,12 @@ pub fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
     let at = |array: &Array, fault| LoadError::at_line(file, bytes, line_of(bytes, array.at), fault);
     let mut faces = Faces::default();
     let mut region: Option<RegionArray> = None;
-    let names = document.arrays.iter().find(|array| array.section == "FieldData" && array.name == REGION_NAMES);
-    let names = names.map(|array| document.strings(array).map_err(|fault| at(array, fault))).transpose()?;
+    let mut names = FxHashMap::default();
+    for array in document.arrays.iter().filter(|array| array.section == "FieldData" && array.is_integer()) {
+        if let Some(region) = named_region(&document.numbers(array).map_err(|fault| at(array, fault))?) {
+            names.insert(region, array.name.clone());
+        }
+    }
     for piece in 0..document.pieces {
         let arrays = || document.arrays.iter().filter(|array| array.piece == Some(piece));
         let find = |section: &str, name: &str| arrays().find(|array| array.section == section && array.name == name);
@@ -80,7 +85,7 @@ pub fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
             region.numbers.append(&mut read);
         }
     }
-    let polygons = faces.finish(file, region, names.unwrap_or_default())?;
+    let polygons = faces.finish(file, region, names)?;
     if let Some(number) = polygons.nowhere() {
         let wrong = polygons.points[number].into_iter().find(|coordinate| !coordinate.is_finite()).unwrap_or_default();
         let (place, fault) = (Place::Item { kind: "point", number }, Fault::NotFinite { word: wrong.to_string() });
@@ -95,7 +100,7 @@ fn line_of(bytes: &[u8], at: usize) -> usize {
 
 fn attribute(element: &BytesStart, name: &str) -> Option<String> {
     let found = element.attributes().flatten().find(|attribute| attribute.key.as_ref() == name)?;
-    Some(found.value.into_owned())
+    Some(found.normalized_value(XmlVersion::Implicit1_0).unwrap_or(found.value.clone()).into_owned())
 }
 
 /// An array as the elements describe it.
@@ -121,6 +126,10 @@ enum Format {
 }
 
 impl Array<'_> {
+    fn is_integer(&self) -> bool {
+        self.kind.is_some_and(Type::is_integer)
+    }
+
     fn rank(&self) -> Option<usize> {
         RegionArray::rank(&self.name, self.kind?, self.components)
     }
@@ -224,20 +233,6 @@ impl<'a> Document<'a> {
                 Err(Stop::Fault(fault)) => return Err(fault),
             }
         }
-    }
-
-    /// The strings of an array: the codes of their bytes, each ended by zero.
-    fn strings(&self, array: &Array<'a>) -> Result<Vec<String>, Fault> {
-        let bytes = match array.format {
-            Format::Ascii => {
-                let codes = super::super::text::words(array.text);
-                let code = |word: &[u8]| parsed(word).ok_or_else(|| Fault::NotAValue { word: shown(word) });
-                codes.map(code).collect::<Result<Vec<u8>, _>>()?
-            }
-            _ => self.bytes(array)?,
-        };
-        let strings = bytes.split_inclusive(|&byte| byte == 0).map(|bytes| bytes.strip_suffix(b"\0").unwrap_or(bytes));
-        Ok(strings.map(|bytes| String::from_utf8_lossy(bytes).into_owned()).collect())
     }
 }
 
