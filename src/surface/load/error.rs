@@ -298,6 +298,9 @@ pub enum Fault {
         /// The most it may have.
         most: usize,
     },
+    /// Strips or compressed data hold more corners than 32 bits count.
+    #[error("the faces up to here have more than 4294967295 corners; split the file")]
+    TooManyCorners,
     /// STL: a line begins with a word that means nothing.
     #[error(
         "{word:?} is no word of an STL file; write solid, facet, outer loop, vertex, endloop, endfacet or endsolid"

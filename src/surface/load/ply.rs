@@ -331,12 +331,11 @@ fn read_strips(
     for _ in 0..count {
         let index = cursor.value_in_line(kind)?;
         if index == -1.0 {
-            polygons.push_strip(&strip);
+            polygons.push_strip(&strip)?;
             strip.clear();
         } else {
             strip.push(vertex(index, vertices)?);
         }
     }
-    polygons.push_strip(&strip);
-    Ok(())
+    Ok(polygons.push_strip(&strip)?)
 }

@@ -46,13 +46,23 @@ impl Polygons {
 
     /// Adds the triangles of a strip: every vertex after the second makes one with the two before it, every other turned over.
     /// Triangles that use a vertex twice, which join strips, are left out.
-    pub fn push_strip(&mut self, strip: &[u32]) {
+    pub fn push_strip(&mut self, strip: &[u32]) -> Result<(), Fault> {
+        self.check_room(3 * strip.len())?;
         for (place, corners) in strip.windows(3).enumerate() {
             let [a, b, c] = [corners[0], corners[1], corners[2]];
             if a != b && b != c && c != a {
                 self.corners.extend(if place % 2 == 0 { [a, b, c] } else { [b, a, c] });
                 self.ends.push(self.corners.len() as u32);
             }
+        }
+        Ok(())
+    }
+
+    /// Whether so many more corners can be counted in 32 bits. Faces that a file writes corner by corner always can.
+    pub fn check_room(&self, more: usize) -> Result<(), Fault> {
+        match u32::try_from(self.corners.len() + more) {
+            Ok(_) => Ok(()),
+            Err(_) => Err(Fault::TooManyCorners),
         }
     }
 

@@ -132,6 +132,7 @@ fn encoding(is_big_endian: bool) -> Encoding {
 }
 
 fn add_cell(polygons: &mut Polygons, kind: u8, corners: &[u32]) -> Result<(), Fault> {
+    polygons.check_room(corners.len())?;
     let first = |count: usize| corners.get(..count).ok_or(Fault::TooFewIndices { count: corners.len() });
     match kind {
         // Triangles: plain, quadratic, biquadratic, Lagrange, Bezier.
@@ -143,10 +144,7 @@ fn add_cell(polygons: &mut Polygons, kind: u8, corners: &[u32]) -> Result<(), Fa
         POLYGON => polygons.corners.extend(corners),
         // A quadratic polygon has its corners first.
         36 => polygons.corners.extend(first(corners.len() / 2)?),
-        STRIP => {
-            polygons.push_strip(corners);
-            return Ok(());
-        }
+        STRIP => return polygons.push_strip(corners),
         _ => return Ok(()),
     }
     polygons.end_face()
