@@ -231,3 +231,74 @@ impl<'a> Nowhere<'a> {
         Some(place.error(file, kind, vertex, Fault::NotFinite { word: wrong.to_string() }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TYPES: [Type; 10] =
+        [Type::I8, Type::U8, Type::I16, Type::U16, Type::I32, Type::U32, Type::I64, Type::U64, Type::F32, Type::F64];
+
+    fn little(kind: Type, number: i8) -> Vec<u8> {
+        match kind {
+            Type::F32 => f32::from(number).to_le_bytes().into(),
+            Type::F64 => f64::from(number).to_le_bytes().into(),
+            _ => i64::from(number).to_le_bytes()[..kind.bytes()].into(),
+        }
+    }
+
+    #[test]
+    fn values_are_the_same_in_every_encoding() {
+        for kind in TYPES {
+            let is_unsigned = matches!(kind, Type::U8 | Type::U16 | Type::U32 | Type::U64);
+            for number in [0, 1, 127, if is_unsigned { 5 } else { -5 }] {
+                let mut bytes = little(kind, number);
+                let read = |bytes: &[u8], encoding| {
+                    let mut cursor = Cursor { encoding, ..Cursor::new(bytes) };
+                    let value = cursor.value(kind).ok();
+                    (value, cursor.value(kind).is_err())
+                };
+                let wanted = (Some(f64::from(number)), true);
+                assert_eq!(read(&bytes, Encoding::LittleEndian), wanted, "{kind:?}");
+                assert_eq!(read(format!(" \n{number}\n").as_bytes(), Encoding::Ascii), wanted, "{kind:?}");
+                bytes.reverse();
+                assert_eq!(read(&bytes, Encoding::BigEndian), wanted, "{kind:?}");
+                bytes.pop();
+                assert_eq!(read(&bytes, Encoding::BigEndian).0, None, "{kind:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn lines_are_counted() {
+        let mut cursor = Cursor::new(b"one two\n\n three\r\nfour");
+        let mut word = || {
+            let word = cursor.word().map(String::from_utf8_lossy).ok();
+            (word.unwrap_or_default().into_owned(), cursor.line)
+        };
+        assert_eq!([word().1, word().1, word().1, word().1], [1, 1, 3, 4]);
+        assert_eq!(word(), (String::new(), 4));
+        let mut cursor = Cursor::new(b"one two \r\nthree");
+        assert!(cursor.word().is_ok());
+        assert_eq!((cursor.rest_of_line(), cursor.line), (&b"two"[..], 2));
+        assert!(matches!(
+            Cursor::new(b" \n3").value_in_line(Type::U8),
+            Err(Stop::Fault(Fault::WrongRow { more: false }))
+        ));
+        assert!(matches!(Cursor::new(b" 3").value_in_line(Type::U8), Ok(3.0)));
+    }
+
+    #[test]
+    fn counts_and_vertices_are_whole_numbers_in_range() {
+        for (text, count, is_vertex) in [
+            ("3", Some(3), true),
+            ("4", Some(4), false),
+            ("-1", None, false),
+            ("0.5", None, false),
+            ("nan", None, false),
+        ] {
+            assert_eq!(Cursor::new(text.as_bytes()).count(Type::I32).ok(), count, "{text}");
+            assert_eq!(Cursor::new(text.as_bytes()).vertex(Type::I32, 4).is_ok(), is_vertex, "{text}");
+        }
+    }
+}

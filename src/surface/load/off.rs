@@ -99,3 +99,22 @@ fn read_face(line: &[u8], vertices: usize, polygons: &mut Polygons) -> Result<()
     }
     polygons.end_face()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_word_tells_what_vertices_have() {
+        for word in ["OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCNOFF", "OFF490"] {
+            assert!(matches!(dimensions(word.as_bytes()), Some(Dimensions::Three)), "{word}");
+        }
+        for word in ["4OFF", "nOFF", "C4nOFF"] {
+            assert!(matches!(dimensions(word.as_bytes()), Some(Dimensions::Other)), "{word}");
+        }
+        for word in ["off", "KICKOFF", "OFFSET", "OF", "8"] {
+            assert!(dimensions(word.as_bytes()).is_none(), "{word}");
+        }
+        assert!(recognises(b"# made by hand\nOFF\n") && !recognises(b"o OFF\n"));
+    }
+}

@@ -58,3 +58,22 @@ pub fn shown(word: &[u8]) -> String {
     }
     short
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_texts_without_line_feeds_get_them() {
+        assert_eq!(with_line_feeds(b"a\rb\r\rc").as_ref(), b"a\nb\n\nc");
+        for kept in [&b"a\r\nb\r"[..], b"a\nb\rc", b"a\rb\0", b"ab", b""] {
+            assert!(matches!(with_line_feeds(kept), Cow::Borrowed(same) if same == kept));
+        }
+    }
+
+    #[test]
+    fn lines_that_say_nothing_are_left_out() {
+        let lines: Vec<_> = content_lines(b"# head\n a b # c\n\n \t\r\nd").collect();
+        assert_eq!(lines, [(2, &b"a b"[..]), (5, b"d")]);
+    }
+}
