@@ -250,7 +250,7 @@ fn standard_input_is_a_surface_as_any_file() {
         ("in.obj", "ply", b"", 1, "in.obj was to be read as PLY, but it is OBJ"),
         ("-", "obj", b"", 1, "standard input is empty"),
         ("-", "obj", b"v 0 0 0\nf 1 1 2\n", 1, "standard input, line 2: the face uses vertex 2"),
-        ("-", "step", b"", 2, "the formats are obj, stl and ply"),
+        ("-", "step", b"", 2, "the formats are obj, stl, ply, off"),
         ("example:m6", "obj", b"", 2, "--format goes with a file or standard input only"),
     ] {
         let output = mesh(input, &["--format", format], fed);

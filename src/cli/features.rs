@@ -11,7 +11,7 @@ pub struct FeatureArguments {
     /// Without this option the angle is 40, and a crease is kept only where the surface turns sharply at the scale of a tile too
     #[arg(long, value_name = "ANGLE", value_parser = degrees::<180>, help_heading = "Features")]
     crease: Option<f64>,
-    /// Ignore the borders of regions (OBJ groups, STL solids); the faces of the mesh still have the names of their regions
+    /// Ignore the borders of regions (groups, materials, solids); the faces of the mesh still have the names of their regions
     #[arg(long, help_heading = "Features")]
     ignore_regions: bool,
     /// Edges to keep at any angle, from a file: on each line two vertex numbers of the surface, counted from 1, or two

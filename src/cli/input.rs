@@ -17,11 +17,11 @@ pub const TRIANGLES: RangeInclusive<usize> = 1..=20_000_000;
 /// The arguments that name a surface.
 #[derive(Args)]
 pub struct Source {
-    /// The surface: an OBJ, STL or PLY file, told apart by content; -: standard input; or an example: example:NAME or
-    /// example:NAME:TRIANGLES, NAME one of m6, torus, sphere, plate, block
+    /// The surface: an OBJ, STL, PLY, OFF, MSH, VTK, VTU or VTP file, perhaps in gzip, told apart by content; -: standard input; or
+    /// an example: example:NAME or example:NAME:TRIANGLES, NAME one of m6, torus, sphere, plate, block
     #[arg(value_name = "IN")]
     input: Input,
-    /// The format of IN, where its content leaves it open: obj, stl or ply
+    /// The format of IN, where its content leaves it open: obj, stl, ply, off, msh, vtk, vtu or vtp
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
 }

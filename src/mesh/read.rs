@@ -4,8 +4,8 @@ use super::Mesh;
 use crate::surface::load::{Format, LoadError, polygons};
 use std::path::Path;
 
-/// Reads a mesh from an OBJ, PLY or STL file, told apart by content: faces of any size, vertices in the order of the file.
-/// STL's corners with the same coordinates are one vertex.
+/// Reads a mesh from a file of any [`Format`], told apart by content: faces of any size with their regions, vertices in the order of
+/// the file. STL's corners with the same coordinates are one vertex.
 ///
 /// # Errors
 /// [`LoadError`] says what is wrong, where, and what to do.
@@ -19,7 +19,7 @@ pub fn read_mesh(path: &Path) -> Result<Mesh, LoadError> {
 /// As [`read_mesh`].
 pub fn read_mesh_as(path: &Path, format: Option<Format>) -> Result<Mesh, LoadError> {
     let read = polygons(path, format)?;
-    Ok(Mesh { points: read.points, corners: read.corners, ends: read.ends, ..Mesh::default() })
+    Ok(Mesh { points: read.points, corners: read.corners, ends: read.ends, regions: read.regions })
 }
 
 #[cfg(test)]

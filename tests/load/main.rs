@@ -1,15 +1,21 @@
 //! Reading files: the same surface from every format, the format told by the content, and what is refused.
 
+mod msh;
 mod obj;
+mod off;
 mod ply;
 mod stl;
+mod vtk;
 
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use obj::{SQUARE, square};
 use quadmosaic::mesh::check::check;
 use quadmosaic::mesh::read_mesh;
-use quadmosaic::surface::Soup;
 use quadmosaic::surface::load::{Format, LoadError, read, read_as, read_stream};
+use quadmosaic::surface::{Regions, Soup};
 use std::fs;
+use std::io::Write;
 use std::path::Path;
 
 /// A tetrahedron, with coordinates that f32 holds.
@@ -35,7 +41,8 @@ fn corners(soup: &Soup) -> Vec<[f64; 3]> {
 /// A tetrahedron in every format, with the ending that belongs to it.
 fn tetrahedra() -> Vec<(&'static str, Vec<u8>)> {
     let corners = FACES.map(|face| face.map(|index| POINTS[index as usize]));
-    vec![
+    let faces = FACES.each_ref().map(|face| &face[..]);
+    let mut all = vec![
         ("obj", tetrahedron_as_obj().into()),
         ("stl", stl::ascii(&[("", &corners)]).into()),
         ("stl", stl::binary(b"made by hand", &corners)),
@@ -43,7 +50,31 @@ fn tetrahedra() -> Vec<(&'static str, Vec<u8>)> {
         ("ply", ply::ascii(&POINTS, &FACES).into()),
         ("ply", ply::binary(&POINTS, &FACES, false)),
         ("ply", ply::binary(&POINTS, &FACES, true)),
-    ]
+        ("off", off::ascii(&POINTS, &FACES).into()),
+    ];
+    for encoding in msh::ENCODINGS {
+        all.push(("msh", msh::two(&POINTS, &faces, encoding)));
+        all.push(("msh", msh::four(&POINTS, &faces, &[&[7], &[7, 8]], encoding)));
+    }
+    for (is_binary, is_new) in [(false, false), (false, true), (true, false), (true, true)] {
+        all.push(("vtk", vtk::legacy(&POINTS, &faces, is_binary, is_new)));
+    }
+    all
+}
+
+/// Grids in all encodings. Their points come once for each of two pieces.
+fn grids() -> Vec<(&'static str, Vec<u8>)> {
+    let faces = FACES.each_ref().map(|face| &face[..]);
+    let grid = |is_poly, arrays, is_packed| vtk::xml(&POINTS, &faces, is_poly, arrays, is_packed);
+    let both = |arrays| {
+        [
+            ("vtu", grid(false, arrays, false)),
+            ("vtu", grid(false, arrays, true)),
+            ("vtp", grid(true, arrays, false)),
+            ("vtp", grid(true, arrays, true)),
+        ]
+    };
+    vtk::ARRAYS.into_iter().flat_map(both).collect()
 }
 
 #[test]
@@ -55,8 +86,57 @@ fn every_format_gives_the_same_surface() {
             // STL has no vertices of its own: those at the same point are one.
             assert_eq!(soup.points.len(), 4, "{ending}");
             if ending != "stl" {
-                assert_eq!(soup, tetrahedron());
+                assert_eq!(Soup { regions: Regions::default(), ..soup }, tetrahedron(), "{ending}");
             }
+        }
+    }
+}
+
+fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut packer = GzEncoder::new(Vec::new(), Compression::fast());
+    packer.write_all(bytes).expect("a vector takes all");
+    packer.finish().expect("a vector takes all")
+}
+
+#[test]
+fn files_in_gzip_are_unpacked() {
+    for (ending, bytes) in tetrahedra() {
+        let plain = read_stream(&bytes[..], ending, None).expect("it is good");
+        let whole = packed(&bytes);
+        for format in [None, Some(ending.parse().expect("a format"))] {
+            assert_eq!(read_stream(&whole[..], ending, format).expect("it is good"), plain, "{ending}");
+        }
+        // The two halves, each packed, one after the other.
+        let (first, second) = bytes.split_at(bytes.len() / 2);
+        assert_eq!(
+            read_stream(&[packed(first), packed(second)].concat()[..], ending, None).expect("it is good"),
+            plain
+        );
+        let error = read_stream(&whole[..whole.len() - 9], "it", None).expect_err("it is cut off");
+        assert!(matches!(error, LoadError::Packed { .. }), "{error}");
+    }
+    let error = read_stream(&packed(b"")[..], "it", None).expect_err("nothing is in it");
+    assert!(matches!(error, LoadError::Empty { .. }), "{error}");
+}
+
+#[test]
+fn other_kinds_of_files_are_named() {
+    for (text, message) in [
+        ("ISO-10303-21;\nHEADER;\nv 0 0 0\n", "part is a STEP file, a CAD model, which is not read; mesh its faces in"),
+        ("PK\x03\x04\x14\0\0\x003D/3dmodel.model\0", "part is a 3MF file, which is not read; open it in the slicer"),
+        ("Point(1) = {0, 0, 0, 1};\n", "part is a Gmsh script, which is not read; mesh it in Gmsh"),
+    ] {
+        let error = read_stream(text.as_bytes(), "part", None).expect_err("it is no mesh").to_string();
+        assert!(error.starts_with(message), "{error}");
+    }
+}
+
+#[test]
+fn every_grid_gives_the_same_surface() {
+    for (ending, bytes) in grids() {
+        for format in [None, Some(ending.parse().expect("a format"))] {
+            let soup = read_stream(&bytes[..], ending, format).unwrap_or_else(|error| panic!("{ending}: {error}"));
+            assert_eq!(corners(&soup), corners(&tetrahedron()), "{ending}");
         }
     }
 }
@@ -90,7 +170,9 @@ fn a_format_that_the_content_contradicts_is_refused() {
         }
     }
     // Where nothing tells, what was asked for is tried.
-    for (asked, message) in [("obj", "no vertices"), ("stl", "is no word of an STL file"), ("ply", "begins here")] {
+    for (asked, message) in
+        [("obj", "no vertices"), ("stl", "is no word of an STL file"), ("ply", "begins here"), ("off", "is no count")]
+    {
         let error = read_stream(&b"rubbish"[..], "it", Some(asked.parse().expect("a format"))).expect_err("it is none");
         assert!(error.to_string().contains(message), "{error}");
     }
@@ -99,13 +181,15 @@ fn a_format_that_the_content_contradicts_is_refused() {
 /// Cut anywhere, a file never gives a part of the surface that is not told from the whole.
 #[test]
 fn cut_files_are_refused() {
-    for (ending, bytes) in tetrahedra() {
+    for (ending, bytes) in tetrahedra().into_iter().chain(grids()) {
         let whole = read_stream(&bytes[..], "whole", None).expect("it is whole");
         let end = bytes.trim_ascii_end().len();
         for length in 0..end {
             let Ok(part) = read_stream(&bytes[..length], "cut", None) else { continue };
             // A text may end with a number that is shorter than it was, or, OBJ and PLY, where a face or a digit ends.
-            assert!(!bytes.contains(&0), "{ending}: {length} of {end} bytes gave a surface");
+            // VTK has no end: its attributes may be left out, and what closes an appended section.
+            let has_end = bytes.contains(&0) && !ending.starts_with("vt");
+            assert!(!has_end, "{ending}: {length} of {end} bytes gave a surface");
             assert!(ending == "obj" || part.triangles.len() == whole.triangles.len(), "{ending}: {length} of {end}");
         }
     }
@@ -120,8 +204,8 @@ fn damaged_files_do_no_harm() {
         (state >> 33) as usize % below
     };
     let (mut read, mut refused) = (0, 0);
-    for (ending, bytes) in tetrahedra() {
-        for _ in 0..2000 {
+    for (ending, bytes) in tetrahedra().into_iter().chain(grids()) {
+        for _ in 0..1000 {
             let mut damaged = bytes.clone();
             for _ in 0..1 + random(3) {
                 let (place, byte) = (random(damaged.len()), random(256) as u8);

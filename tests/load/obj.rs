@@ -37,7 +37,7 @@ fn odd_but_valid_texts_load() {
         ("continued line", format!("{SQUARE}f 1 2 \\\n3\nf \\\n 1 \\\r\n 3 4\n")),
         ("weights", format!("v 0 0 0 2\nv 2 0 0 2.0\nv 1 1 0 1\nv 0 1 0\n{faces}")),
         ("colours", format!("v 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0 0.5 0.5 0.5 1\nv 0 1 0 red green blue\n{faces}")),
-        ("materials, smoothing", format!("mtllib none.mtl\n{SQUARE}usemtl c\ns 1\nf 1 2 3\nusemtl\nf 1 3 4")),
+        ("materials, smoothing", format!("mtllib none.mtl\n{SQUARE}usemtl\ns 1\nf 1 2 3\nusemtl  \nf 1 3 4\nusemtl c")),
         ("lines and points", format!("{SQUARE}l 1 2 3 4\np 1\nl 1\nl 9 9\n{faces}")),
         ("comments", format!("# head\n#head\n{SQUARE}f 1 2 3 # first\n\n   \nf 1 3 4# second \\\n#f 1\n")),
         ("tabs and blanks", "  v\t0 0  0\nv 1 0 0 \nv 1 1 0\nv 0 1 0\n\tf 1\t2 3\nf  1 3 4".into()),
@@ -103,6 +103,19 @@ fn groups_are_regions() {
         // A polygon's triangles all have its region.
         ("g b\nf 1 2 3 4\ng a\nf 2 3 4".to_owned(), "b|a", vec![0, 0, 1]),
         ("f 1 2 3 4\ng late".to_owned(), "", vec![]),
+        (format!("usemtl steel\n{a}\nusemtl\n{b}\nusemtl  red  rubber\n{c}"), "steel||red rubber", vec![0, 1, 2]),
+        (
+            format!("o plate\nusemtl steel\n{a}\nusemtl rubber\n{b}\no rim\n{c}"),
+            "plate steel|plate rubber|rim rubber",
+            vec![0, 1, 2],
+        ),
+        (format!("o wing\ng skin\n{a}\nusemtl steel\n{b}\ng\n{c}"), "skin|skin steel|steel", vec![0, 1, 2]),
+        // Some programs make a group of each material.
+        (
+            format!("g steel\nusemtl steel\n{a}\ng rubber\nusemtl rubber\n{b}\nusemtlib\n{c}"),
+            "steel|rubber",
+            vec![0, 1, 1],
+        ),
     ];
     for (faces, names, of_face) in cases {
         let names: Vec<_> = if of_face.is_empty() { vec![] } else { names.split('|').map(str::to_owned).collect() };

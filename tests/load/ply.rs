@@ -1,7 +1,7 @@
 //! PLY, ASCII and binary.
 
-use quadmosaic::surface::Soup;
 use quadmosaic::surface::load::{Fault, Format, LoadError, Place, read_stream};
+use quadmosaic::surface::{Regions, Soup};
 
 /// The header of a file with properties and elements that nobody is to look at.
 fn header(encoding: &str, points: usize, faces: usize) -> String {
@@ -9,7 +9,7 @@ fn header(encoding: &str, points: usize, faces: usize) -> String {
         "ply\nformat {encoding} 1.0\ncomment by hand\nobj_info none\nelement origin 1\nproperty double at\n\
          element vertex {points}\nproperty uchar red\nproperty float x\nproperty list uchar short weights\n\
          property float32 y\nproperty double z\nelement nothing 4000000000\nelement face {faces}\n\
-         property list uint16 float uv\nproperty list uint8 int vertex_indices\nproperty int16 patch\nend_header\n"
+         property list uint16 float uv\nproperty list uint8 int vertex_indices\nproperty int16 spare\nend_header\n"
     )
 }
 
@@ -148,7 +148,7 @@ fn wrong_rows_are_named() {
         ("4 0 1 2 3", "4 0 1 2", 14, WrongRow { more: false }),
         ("4 0 1 2 3", "3 0 1 2 3", 14, WrongRow { more: true }),
         ("4 0 1 2 3", "2 0 1", 14, TooFewIndices { count: 2 }),
-        ("4 0 1 2 3", "-1", 14, NoListLength { count: -1.0 }),
+        ("4 0 1 2 3", "-1", 14, NotACount { count: word("-1") }),
         ("4 0 1 2 3", "1e18 0 1 2", 14, WrongRow { more: false }),
     ] {
         assert!(text.contains(from));
@@ -210,4 +210,56 @@ fn promises_that_are_not_kept_are_refused() {
     let bytes = [text.as_bytes(), &[0; 48], &[255; 4], &[0; 400]].concat();
     let error = parse(&bytes).expect_err("it is shorter").to_string();
     assert!(error.contains("the header says 1 faces, but the file ends after 0"), "{error}");
+}
+
+#[test]
+fn strips_are_triangles() {
+    let text = HEAD.replace("face 1", "tristrips 1") + SQUARE + "9 0 1 3 2 -1 3 3 1 2\n";
+    let soup = parse(&text).expect("it is valid");
+    assert_eq!(soup.triangles, [[0, 1, 3], [3, 1, 2], [1, 3, 2]]);
+    let both =
+        text.replace("end_header", "element face 1\nproperty list uchar int vertex_index\nend_header") + "3 0 1 2\n";
+    assert_eq!(parse(both).expect("it is valid").triangles[3..], [[0, 1, 2]]);
+    for (strips, message) in [
+        ("9 0 1 4 2 -1 3 3 1 2", "line 14: the face uses vertex 4"),
+        ("9 0 1 -2 2 -1 3 3 1 2", "line 14: the face uses vertex -2"),
+        ("4 0 0 1 1", "has 4 vertices but no faces"),
+        ("2 0 1", "has 4 vertices but no faces"),
+    ] {
+        let error = parse(text.replace("9 0 1 3 2 -1 3 3 1 2", strips)).expect_err("there is no triangle").to_string();
+        assert!(error.contains(message), "{error}");
+    }
+    let nothing = text.replace("vertex_indices", "corners");
+    assert!(parse(nothing).expect_err("no list").to_string().contains("the element tristrips"));
+}
+
+#[test]
+fn whole_numbers_of_faces_are_regions() {
+    let head = HEAD.replace("face 1\n", "face 3\nproperty uchar red\n");
+    let text =
+        |properties: &str, rows: &str| head.replace("end_header", &format!("{properties}\nend_header")) + SQUARE + rows;
+    let regions = |properties: &str, rows: &str| parse(text(properties, rows)).expect("it is valid").regions;
+    let rows = "1 4 0 1 2 3 8 5\n2 3 0 1 2 -1 5\n3 3 0 2 3 8 6\n";
+    let named = |names: [&str; 2], of_face| Regions { names: names.map(str::to_owned).to_vec(), of_face };
+    let first = named(["material_index_8", "material_index_-1"], vec![0, 0, 1, 0]);
+    assert_eq!(regions("property int material_index\nproperty int flags", rows), first);
+    let second = named(["region_5", "region_6"], vec![0, 0, 0, 1]);
+    assert_eq!(regions("property int material_index\nproperty int region", rows), second);
+    // Names are comments.
+    let named_text = text("property int region\nproperty int flags", rows)
+        .replace("element face", "comment region 8 the  nose\ncomment region\nelement face");
+    assert_eq!(parse(named_text).expect("it is valid").regions, named(["the nose", "region_-1"], vec![0, 0, 1, 0]));
+    assert_eq!(regions("property float region\nproperty int flags", rows), Regions::default());
+}
+
+/// Whatever the number of elements, each is looked at once.
+#[test]
+fn many_elements_take_no_long_time() {
+    let count = 100_000;
+    let elements: String = (0..count).map(|number| format!("element e{number} 1\nproperty uchar x\n")).collect();
+    let head = HEAD.replace("end_header", &(elements + "end_header"));
+    let text = format!("{head}{SQUARE}4 0 1 2 3\n{}", "7\n".repeat(count));
+    let begun = std::time::Instant::now();
+    assert_eq!(parse(text).expect("it is valid").triangles.len(), 2);
+    assert!(begun.elapsed().as_secs() < 10, "{:?}", begun.elapsed());
 }

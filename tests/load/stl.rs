@@ -64,6 +64,8 @@ fn odd_but_valid_texts_load() {
         ("a byte order mark", format!("\u{feff}\n{plain}")),
         ("no line end", plain.trim_end().to_owned()),
         ("normals that are no numbers", plain.replace("normal 0 0 0", "normal -nan(ind) x 1.#QNAN")),
+        ("one line", plain.replace('\n', " ")),
+        ("carriage returns alone", plain.replace('\n', "\r")),
         ("no endfacet", plain.replace("  endfacet\n", "")),
     ] {
         assert_eq!(parse(text).unwrap_or_else(|error| panic!("{name}: {error}")), pair(), "{name}");
@@ -88,6 +90,22 @@ fn solids_are_regions() {
     assert_eq!(parse(binary(b"solid wing", &PAIR)).expect("it is valid").regions, Regions::default());
 }
 
+/// Also where names hold words that mean something elsewhere, and where the end repeats no name.
+#[test]
+fn solids_may_stand_on_one_line() {
+    let text = ascii(&[("Body 1; mm", &PAIR[..1]), ("a solid facet", &PAIR[1..])]);
+    let whole = parse(&text).expect("it is valid");
+    assert_eq!(
+        whole.regions,
+        Regions { names: vec!["Body 1; mm".into(), "a solid facet".into()], of_face: vec![0, 1] }
+    );
+    assert_eq!(parse(text.replace('\n', " ")).expect("it is valid"), whole);
+    let unnamed = text.replace("endsolid Body 1; mm", "endsolid").replace('\n', "\t");
+    assert_eq!(parse(unnamed).expect("it is valid"), whole);
+    let open = text.replace("endsolid a solid facet", "").replace('\n', " ");
+    assert!(matches!(parse(open), Err(LoadError::At { fault: Fault::EndlessSolid, .. })));
+}
+
 #[test]
 fn binary_files_of_the_wrong_size_are_refused() {
     let good = binary(b"solid", &[PAIR[0]; 9]);
@@ -108,9 +126,13 @@ fn binary_files_of_the_wrong_size_are_refused() {
         let error = parse(&bytes).expect_err("its size is wrong").to_string();
         assert!(error.starts_with("wing.stl") && error.contains(message), "{error}");
     }
-    // Padding is no triangle.
-    let padded = [&good[..], &[0; 49]].concat();
-    assert_eq!(parse(&padded).expect("it is valid").triangles.len(), 9);
+    // Padding is no triangle, but what is neither zero nor blank may be the rest of one.
+    let padded = |byte: u8| [&good[..], &[byte; 49]].concat();
+    for byte in [0, b'\n'] {
+        assert_eq!(parse(padded(byte)).expect("it is valid").triangles.len(), 9);
+    }
+    let error = parse(padded(7)).expect_err("it goes on").to_string();
+    assert!(error.contains("the header says 9 triangles, but 49 bytes follow them"), "{error}");
 }
 
 /// Also without a format asked for, and without `solid`, what is left of a file is known to be STL.

@@ -50,8 +50,28 @@ pub enum LoadError {
         /// The format that the file has.
         found: Format,
     },
+    /// The file is of another kind than meshes that are read.
+    #[error("{file} is {kind}, which is not read; {remedy}")]
+    Foreign {
+        /// The file's name.
+        file: String,
+        /// What it is.
+        kind: &'static str,
+        /// What to do with it.
+        remedy: &'static str,
+    },
+    /// A file in gzip is damaged.
+    #[error("{file} is packed by gzip and cannot be unpacked ({source}); copy or pack it again")]
+    Packed {
+        /// The file's name.
+        file: String,
+        /// What is wrong.
+        source: io::Error,
+    },
     /// The file holds bytes that no text has, and is of no binary format that we know.
-    #[error("{file} is not a text file (byte {offset} is zero) and no binary STL or PLY; export it as OBJ, STL or PLY")]
+    #[error(
+        "{file} is not a text file (byte {offset} is zero) and of no binary format that is read; export it as OBJ, STL or PLY"
+    )]
     Binary {
         /// The file's name.
         file: String,
@@ -85,6 +105,14 @@ pub enum LoadError {
         said: usize,
         /// How many are there as a whole.
         found: usize,
+    },
+    /// The file ends within a section of MSH or VTK.
+    #[error("{file} ends within {section}; copy or export it again")]
+    EndsWithin {
+        /// The file's name.
+        file: String,
+        /// The section.
+        section: String,
     },
     /// A binary STL file goes on where it should end.
     #[error("{file}: the header says {said} triangles, but {bytes} bytes follow them; export it again")]
@@ -132,6 +160,13 @@ impl LoadError {
 pub enum Place {
     /// A line of a text, counted from 1.
     Line(usize),
+    /// One of many things that a file lists.
+    Item {
+        /// Of what kind.
+        kind: &'static str,
+        /// Its number, counted from 0.
+        number: usize,
+    },
     /// A record of a binary file.
     Record {
         /// Of what kind.
@@ -147,6 +182,7 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(line) => write!(f, "line {line}"),
+            Self::Item { kind, number } => write!(f, "{kind} {number} (counted from 0)"),
             Self::Record { kind, number, byte } => write!(f, "{kind} {number} (counted from 0) at byte {byte}"),
         }
     }
@@ -194,7 +230,7 @@ pub enum Fault {
         /// The number of vertices it can use: all, or, if the index is negative, those before the face.
         vertices: usize,
     },
-    /// PLY: a face uses a vertex that does not exist.
+    /// A face uses a vertex that does not exist, in a format that counts from 0.
     #[error(
         "the face uses vertex {index}, but there are {vertices}, counted from 0; correct the index or add the vertex"
     )]
@@ -203,6 +239,50 @@ pub enum Fault {
         index: f64,
         /// The number of vertices.
         vertices: usize,
+    },
+    /// A kind of the format that is not read.
+    #[error("{what} is not read; {remedy}")]
+    Unsupported {
+        /// What is not read.
+        what: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// VTK: the end of a cell is not after that of the one before it, or is past the last of the corners.
+    #[error("a cell ends at corner {end}, but it begins at {last}, and there are {numbers}; export the file again")]
+    NoCellEnd {
+        /// The end.
+        end: f64,
+        /// The end of the cell before it.
+        last: usize,
+        /// The number of corners of all cells.
+        numbers: usize,
+    },
+    /// VTU, VTP: an array has fewer bytes than its header says.
+    #[error("the data of the array is damaged or shorter than it says; copy or export the file again")]
+    ShortArray,
+    /// VTU, VTP: an array cannot be unpacked.
+    #[error("the array is compressed by zlib and cannot be unpacked; copy or export the file again")]
+    BadCompression,
+    /// VTU, VTP: the file is no XML.
+    #[error("the file is no XML ({reason:?}); export it again")]
+    NotXml {
+        /// What the reader said.
+        reason: String,
+    },
+    /// MSH: a face uses a node that does not exist.
+    #[error("the face uses node {tag}, which is not among the nodes before it; correct the number or add the node")]
+    NoSuchNode {
+        /// The node's tag.
+        tag: f64,
+    },
+    /// MSH, VTK: another word is needed.
+    #[error("{word:?} stands where {wanted} should; export the file again")]
+    WrongWord {
+        /// The word, shortened.
+        word: String,
+        /// What should stand there.
+        wanted: String,
     },
     /// A face with fewer than three corners.
     #[error("the face has {count} corners but needs at least 3; complete it or take it out")]
@@ -218,6 +298,9 @@ pub enum Fault {
         /// The most it may have.
         most: usize,
     },
+    /// Strips or compressed data hold more corners than 32 bits count.
+    #[error("the faces up to here have more than 4294967295 corners; split the file")]
+    TooManyCorners,
     /// STL: a line begins with a word that means nothing.
     #[error(
         "{word:?} is no word of an STL file; write solid, facet, outer loop, vertex, endloop, endfacet or endsolid"
@@ -263,25 +346,25 @@ pub enum Fault {
         /// The type, shortened.
         word: String,
     },
-    /// PLY: nothing tells how the data is written, or where coordinates or faces are.
+    /// A header does not tell how the data is written, or how much there is, or where coordinates or faces are.
     #[error("the header ends without {what}; export the file as a surface")]
     HeaderLacks {
         /// What is missing.
         what: &'static str,
     },
-    /// PLY: a list's length is no whole number, or negative.
-    #[error("the list has {count} entries; write a whole number from 0 up")]
-    NoListLength {
-        /// What is written.
-        count: f64,
+    /// A count, such as a list's length, is no whole number, or negative.
+    #[error("{count:?} is no count; write a whole number from 0 up")]
+    NotACount {
+        /// What is written, shortened.
+        count: String,
     },
-    /// PLY: a value is not a number.
+    /// A value is not a number.
     #[error("the value {word:?} is not a number; write it like 3, 0.25 or 2.5e-1")]
     NotAValue {
         /// The value as written, shortened.
         word: String,
     },
-    /// PLY: a row of text with more or fewer values than the header says.
+    /// A row of text with more or fewer values than the header says.
     #[error("the line has too {} values; write as many as the header says", if *.more { "many" } else { "few" })]
     WrongRow {
         /// There are more than the header says.

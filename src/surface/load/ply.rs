@@ -1,9 +1,11 @@
-//! PLY, ASCII and binary of both byte orders: the coordinates of vertices and the corners of faces.
-//!
-//! Other properties and elements are skipped. Every value is read as f64, which holds all of PLY's types.
+//! PLY, ASCII and binary of both byte orders: the coordinates of vertices, the corners and regions of faces, and strips of
+//! triangles. Other properties and elements are skipped.
 
+use super::cursor::{Cursor, Encoding, Nowhere, Stop, Type, vertex};
 use super::text::{parsed, shown, words};
-use super::{Fault, LoadError, Place, Polygons};
+use super::{Fault, LoadError, Polygons, Regions};
+use crate::surface::regions::{Numbers, attribute_rank};
+use rustc_hash::FxHashMap;
 
 pub(super) fn recognises(bytes: &[u8]) -> bool {
     bytes.strip_prefix(b"ply").and_then(|rest| rest.first()).is_some_and(u8::is_ascii_whitespace)
@@ -11,34 +13,33 @@ pub(super) fn recognises(bytes: &[u8]) -> bool {
 
 pub(super) fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
     let header = Header::parse(bytes).map_err(|(line, fault)| LoadError::at_line(file, bytes, line, fault))?;
-    let (vertices, faces) = (header.rows(VERTEX), header.rows(FACE));
+    let (vertices, faces) = (header.rows(VERTEX), header.rows(FACE).max(header.rows(STRIPS)));
     if vertices == 0 {
         return Err(LoadError::NoVertices { file: file.to_owned() });
     }
     if faces == 0 {
         return Err(LoadError::NoFaces { file: file.to_owned(), vertices });
     }
-    let mut polygons = Polygons::default();
-    // Where the vertices are that are not finite; only those that a face uses are wrong.
-    let mut nowhere = Vec::new();
+    let regions = Numbers { names: header.region_names(bytes), ..Numbers::default() };
+    let mut rows = Rows { regions, ..Rows::default() };
     let mut points = Vec::new();
-    header.rows_of_all(bytes, file, &mut polygons, |element, row, start, [x, y, z, _]| {
-        if element.name == VERTEX {
-            points.push([x, y, z]);
-            if ![x, y, z].iter().all(|coordinate| coordinate.is_finite()) {
-                nowhere.push((element, row, start));
-            }
-        }
+    let mut nowhere = Nowhere::default();
+    header.read(file, &mut rows, |row, start, [x, y, z, _]| {
+        nowhere.note(row, [x, y, z], || start);
+        points.push([x, y, z]);
     })?;
+    let mut polygons = rows.polygons;
     polygons.points = points;
-    if let Some(vertex) = polygons.nowhere()
-        && let Some((element, row, start)) = nowhere.into_iter().find(|wrong| wrong.1 == vertex)
-    {
-        let wrong = polygons.points[vertex].into_iter().find(|coordinate| !coordinate.is_finite());
-        let word = wrong.map_or(String::new(), |coordinate| coordinate.to_string());
-        return Err(start.error(element, row, Fault::NotFinite { word }, bytes, file));
+    if let Some(name) = header.region() {
+        polygons.regions = Regions::from_numbers(&rows.regions, name, polygons.ends.len());
     }
-    Ok(polygons)
+    if polygons.ends.is_empty() {
+        return Err(LoadError::NoFaces { file: file.to_owned(), vertices });
+    }
+    match nowhere.error(&polygons, file, VERTEX) {
+        Some(error) => Err(error),
+        None => Ok(polygons),
+    }
 }
 
 /// The coordinates and the property `size` of all vertices.
@@ -48,18 +49,15 @@ pub(super) fn sizes(bytes: &[u8], file: &str) -> Result<Vec<[f64; 4]>, LoadError
         let fault = Fault::HeaderLacks { what: "the property size of the element vertex" };
         return Err(LoadError::at_line(file, bytes, header.body.line - 1, fault));
     }
-    let mut polygons = Polygons::default();
     let mut sizes = Vec::new();
-    header.rows_of_all(bytes, file, &mut polygons, |element, _, _, row| {
-        if element.name == VERTEX {
-            sizes.push(row);
-        }
-    })?;
+    header.read(file, &mut Rows::default(), |_, _, row| sizes.push(row))?;
     Ok(sizes)
 }
 
 const VERTEX: &str = "vertex";
 const FACE: &str = "face";
+/// One row holds strips, apart by -1: every vertex after the second makes a triangle with the two before it.
+const STRIPS: &str = "tristrips";
 
 /// What the header says, and where the data begins.
 struct Header<'a> {
@@ -74,6 +72,7 @@ struct Element {
 }
 
 struct Property {
+    name: String,
     role: Role,
     /// The type of a list's length, if it is a list.
     length: Option<Type>,
@@ -89,26 +88,18 @@ enum Role {
     Size,
     /// The vertices of a face.
     Corners,
+    /// The vertices of strips.
+    Strips,
+    /// The number of a face's region.
+    Region,
     Ignored,
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Encoding {
-    Ascii,
-    LittleEndian,
-    BigEndian,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Type {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
+/// What rows hold, but for vertices.
+#[derive(Default)]
+struct Rows {
+    polygons: Polygons,
+    regions: Numbers,
 }
 
 impl<'a> Header<'a> {
@@ -127,7 +118,7 @@ impl<'a> Header<'a> {
                 ([] | [b"comment" | b"obj_info", ..], _) => {}
                 ([b"ply"], _) if line == 1 => {}
                 ([b"format", format @ ..], _) => {
-                    encoding = Some(Encoding::parse(format).map_err(|fault| (line, fault))?);
+                    encoding = Some(encoding_of(format).map_err(|fault| (line, fault))?);
                 }
                 ([b"element", name, rows], _) => {
                     let name = String::from_utf8_lossy(name).into_owned();
@@ -139,16 +130,16 @@ impl<'a> Header<'a> {
                         [b"list", length, value] => (Some(length), value),
                         _ => return Err(unknown()),
                     };
-                    let kind = |word: &&[u8]| {
-                        Type::parse(word).ok_or_else(|| (line, Fault::UnknownType { word: shown(word) }))
-                    };
+                    let kind =
+                        |word: &&[u8]| type_of(word).ok_or_else(|| (line, Fault::UnknownType { word: shown(word) }));
                     let role = Role::of(&element.name, name, length.is_some());
                     let (value, list) = (kind(value)?, length);
                     let length = list.map(kind).transpose()?;
                     if let (Some(Type::F32 | Type::F64), Some(word)) = (length, list) {
                         return Err((line, Fault::UnknownType { word: shown(word) }));
                     }
-                    element.properties.push(Property { role, length, value });
+                    let name = String::from_utf8_lossy(name).into_owned();
+                    element.properties.push(Property { name, role, length, value });
                 }
                 ([b"end_header"], _) => break,
                 _ => return Err(unknown()),
@@ -157,39 +148,76 @@ impl<'a> Header<'a> {
         let lacks = |what| (line, Fault::HeaderLacks { what });
         let encoding = encoding.ok_or(lacks("a line format"))?;
         let body = Cursor { bytes, at, line: line + 1, encoding };
-        let header = Self { elements, body };
+        let mut header = Self { elements, body };
         if header.rows(VERTEX) > 0 && !(0..3).all(|axis| header.has(VERTEX, Role::Axis(axis))) {
             return Err(lacks("the properties x, y and z of the element vertex"));
         }
-        if header.rows(FACE) > 0 && !header.has(FACE, Role::Corners) {
+        let strips = header.has(STRIPS, Role::Strips);
+        if header.rows(FACE) > 0 && !header.has(FACE, Role::Corners) && !strips {
             return Err(lacks("the list vertex_indices of the element face"));
         }
+        if header.rows(STRIPS) > 0 && !strips {
+            return Err(lacks("the list vertex_indices of the element tristrips"));
+        }
+        header.choose_region();
         Ok(header)
     }
 
-    /// Reads all rows: their faces into `polygons`; `visit` is told the element, the row's number and place, and its values
-    /// of x, y, z and size.
-    fn rows_of_all<'h>(
-        &'h self,
-        bytes: &[u8],
+    /// Of the properties that may tell the regions of faces, the first by rank does.
+    fn choose_region(&mut self) {
+        if !self.has(FACE, Role::Corners) {
+            return;
+        }
+        let Some(face) = self.elements.iter_mut().find(|element| element.name == FACE) else { return };
+        let whole =
+            face.properties.iter_mut().filter(|property| property.length.is_none() && property.value.is_integer());
+        let ranked = whole.filter_map(|property| Some((attribute_rank(&property.name)?, property)));
+        if let Some((_, property)) = ranked.min_by_key(|(rank, _)| *rank) {
+            property.role = Role::Region;
+        }
+    }
+
+    /// The names of regions, which comments tell: `comment region 3 wing`.
+    fn region_names(&self, bytes: &[u8]) -> FxHashMap<i64, String> {
+        let named = |line: &[u8]| {
+            let mut words = words(line);
+            let is_name = words.next() == Some(b"comment") && words.next() == Some(b"region");
+            let number = words.next().filter(|_| is_name).and_then(parsed)?;
+            Some((number, words.map(String::from_utf8_lossy).collect::<Vec<_>>().join(" ")))
+        };
+        bytes[..self.body.at].split(|&byte| byte == b'\n').filter_map(named).collect()
+    }
+
+    /// The name of the property that tells the regions of faces.
+    fn region(&self) -> Option<&str> {
+        let mut properties = self.find(FACE)?.properties.iter();
+        properties.find(|property| property.role == Role::Region).map(|property| property.name.as_str())
+    }
+
+    /// Reads all rows; `visit` is told the number and place of each vertex, and its values of x, y, z and size.
+    fn read(
+        &self,
         file: &str,
-        polygons: &mut Polygons,
-        mut visit: impl FnMut(&'h Element, usize, Cursor<'a>, [f64; 4]),
+        rows: &mut Rows,
+        mut visit: impl FnMut(usize, Cursor<'a>, [f64; 4]),
     ) -> Result<(), LoadError> {
         let mut cursor = self.body;
+        let vertices = self.rows(VERTEX);
         // Rows without a property take no bytes.
         for element in self.elements.iter().filter(|element| !element.properties.is_empty()) {
-            for row in 0..element.rows {
-                let start = cursor.begin_row();
-                let values = element.read_row(&mut cursor, self.rows(VERTEX), polygons).map_err(|stop| match stop {
-                    Stop::End => {
-                        let what = element.plural();
-                        LoadError::CutOff { file: file.to_owned(), what, said: element.rows, found: row }
-                    }
-                    Stop::Fault(fault) => start.error(element, row, fault, bytes, file),
-                })?;
-                visit(element, row, start, values);
-            }
+            let is_vertex = element.name == VERTEX;
+            let kind = [&*shown(element.name.as_bytes()), &*element.plural()];
+            cursor.records(file, kind, element.rows, |cursor, row| {
+                if cursor.encoding == Encoding::Ascii {
+                    cursor.skip_blanks();
+                }
+                let start = *cursor;
+                let values = element.read_row(cursor, vertices, rows)?;
+                if is_vertex {
+                    visit(row, start, values);
+                }
+                Ok(())
+            })?;
         }
         Ok(())
     }
@@ -207,40 +235,27 @@ impl<'a> Header<'a> {
     }
 }
 
-impl Encoding {
-    fn parse(words: &[&[u8]]) -> Result<Self, Fault> {
-        match words {
-            [b"ascii", b"1.0"] => Ok(Self::Ascii),
-            [b"binary_little_endian", b"1.0"] => Ok(Self::LittleEndian),
-            [b"binary_big_endian", b"1.0"] => Ok(Self::BigEndian),
-            _ => Err(Fault::UnknownEncoding { format: shown(&words.join(&b' ')) }),
-        }
+fn encoding_of(words: &[&[u8]]) -> Result<Encoding, Fault> {
+    match words {
+        [b"ascii", b"1.0"] => Ok(Encoding::Ascii),
+        [b"binary_little_endian", b"1.0"] => Ok(Encoding::LittleEndian),
+        [b"binary_big_endian", b"1.0"] => Ok(Encoding::BigEndian),
+        _ => Err(Fault::UnknownEncoding { format: shown(&words.join(&b' ')) }),
     }
 }
 
-impl Type {
-    fn parse(word: &[u8]) -> Option<Self> {
-        Some(match word {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"float" | b"float32" => Self::F32,
-            b"double" | b"float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    fn bytes(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
-    }
+fn type_of(word: &[u8]) -> Option<Type> {
+    Some(match word {
+        b"char" | b"int8" => Type::I8,
+        b"uchar" | b"uint8" => Type::U8,
+        b"short" | b"int16" => Type::I16,
+        b"ushort" | b"uint16" => Type::U16,
+        b"int" | b"int32" => Type::I32,
+        b"uint" | b"uint32" => Type::U32,
+        b"float" | b"float32" => Type::F32,
+        b"double" | b"float64" => Type::F64,
+        _ => return None,
+    })
 }
 
 impl Role {
@@ -251,6 +266,7 @@ impl Role {
             (VERTEX, b"z", false) => Self::Axis(2),
             (VERTEX, b"size", false) => Self::Size,
             (FACE, b"vertex_indices" | b"vertex_index", true) => Self::Corners,
+            (STRIPS, b"vertex_indices" | b"vertex_index", true) => Self::Strips,
             _ => Self::Ignored,
         }
     }
@@ -258,38 +274,41 @@ impl Role {
 
 impl Element {
     /// Reads a row: adds its corners as a face, if it has some, and returns x, y, z and size, zero where it has none.
-    fn read_row(&self, cursor: &mut Cursor, vertices: usize, polygons: &mut Polygons) -> Result<[f64; 4], Stop> {
+    fn read_row(&self, cursor: &mut Cursor, vertices: usize, rows: &mut Rows) -> Result<[f64; 4], Stop> {
         let mut values = [0.0; 4];
-        for &Property { role, length, value } in &self.properties {
+        let faces = rows.polygons.ends.len();
+        for &Property { role, length, value, .. } in &self.properties {
             let Some(length) = length else {
-                let number = cursor.value(value)?;
+                let number = cursor.value_in_line(value)?;
                 match role {
                     Role::Axis(axis) => values[axis] = number,
                     Role::Size => values[3] = number,
-                    Role::Corners | Role::Ignored => {}
+                    Role::Region => rows.regions.marks.push((faces, number as i64)),
+                    Role::Corners | Role::Strips | Role::Ignored => {}
                 }
                 continue;
             };
-            let count = cursor.value(length)?;
+            let count = cursor.value_in_line(length)?;
             if count < 0.0 || count.fract() != 0.0 {
-                return Err(Fault::NoListLength { count }.into());
+                return Err(Fault::NotACount { count: count.to_string() }.into());
             }
             let count = count as usize;
-            if role != Role::Corners {
-                cursor.skip(count, value)?;
-                continue;
-            }
-            for _ in 0..count {
-                let index = cursor.value(value)?;
-                if !(0.0..vertices as f64).contains(&index) || index.fract() != 0.0 {
-                    return Err(Fault::NoSuchVertex { index, vertices }.into());
+            match role {
+                Role::Corners => {
+                    for _ in 0..count {
+                        rows.polygons.corners.push(vertex(cursor.value_in_line(value)?, vertices)?);
+                    }
+                    rows.polygons.end_face()?;
                 }
-                polygons.corners.push(index as u32);
+                Role::Strips => read_strips(cursor, count, value, vertices, &mut rows.polygons)?,
+                _ if cursor.encoding == Encoding::Ascii => {
+                    (0..count).try_for_each(|_| cursor.value_in_line(value).map(drop))?;
+                }
+                _ => cursor.skip(count, value)?,
             }
-            polygons.end_face()?;
         }
-        cursor.end_row()?;
-        Ok(values)
+        let ended = cursor.encoding != Encoding::Ascii || cursor.next_in_line().is_none_or(|byte| byte == b'\n');
+        if ended { Ok(values) } else { Err(Fault::WrongRow { more: true }.into()) }
     }
 
     fn plural(&self) -> String {
@@ -301,111 +320,22 @@ impl Element {
     }
 }
 
-/// Why a row cannot be read.
-enum Stop {
-    /// The file ends.
-    End,
-    Fault(Fault),
-}
-
-impl From<Fault> for Stop {
-    fn from(fault: Fault) -> Self {
-        Self::Fault(fault)
-    }
-}
-
-/// A place in the data.
-#[derive(Clone, Copy)]
-struct Cursor<'a> {
-    bytes: &'a [u8],
-    at: usize,
-    /// The line, counted from 1, where the data is text.
-    line: usize,
-    encoding: Encoding,
-}
-
-impl<'a> Cursor<'a> {
-    /// Goes to where the next row begins.
-    fn begin_row(&mut self) -> Self {
-        if self.encoding == Encoding::Ascii {
-            while let Some(byte) = self.rest().first().filter(|byte| byte.is_ascii_whitespace()) {
-                self.line += usize::from(*byte == b'\n');
-                self.at += 1;
-            }
+fn read_strips(
+    cursor: &mut Cursor,
+    count: usize,
+    kind: Type,
+    vertices: usize,
+    polygons: &mut Polygons,
+) -> Result<(), Stop> {
+    let mut strip = Vec::new();
+    for _ in 0..count {
+        let index = cursor.value_in_line(kind)?;
+        if index == -1.0 {
+            polygons.push_strip(&strip)?;
+            strip.clear();
+        } else {
+            strip.push(vertex(index, vertices)?);
         }
-        *self
     }
-
-    /// A row of text ends where its line does.
-    fn end_row(&mut self) -> Result<(), Stop> {
-        let ended = self.encoding != Encoding::Ascii || self.next_in_line().is_none_or(|byte| byte == b'\n');
-        if ended { Ok(()) } else { Err(Fault::WrongRow { more: true }.into()) }
-    }
-
-    /// The next byte that is no blank.
-    fn next_in_line(&mut self) -> Option<u8> {
-        let blank = |byte: &u8| byte.is_ascii_whitespace() && *byte != b'\n';
-        self.at += self.rest().iter().take_while(|byte| blank(byte)).count();
-        self.rest().first().copied()
-    }
-
-    fn rest(&self) -> &'a [u8] {
-        &self.bytes[self.at..]
-    }
-
-    fn value(&mut self, kind: Type) -> Result<f64, Stop> {
-        if self.encoding == Encoding::Ascii {
-            return self.written();
-        }
-        Ok(match kind {
-            Type::I8 => i8::from_le_bytes(self.take()?).into(),
-            Type::U8 => u8::from_le_bytes(self.take()?).into(),
-            Type::I16 => i16::from_le_bytes(self.take()?).into(),
-            Type::U16 => u16::from_le_bytes(self.take()?).into(),
-            Type::I32 => i32::from_le_bytes(self.take()?).into(),
-            Type::U32 => u32::from_le_bytes(self.take()?).into(),
-            Type::F32 => f32::from_le_bytes(self.take()?).into(),
-            Type::F64 => f64::from_le_bytes(self.take()?),
-        })
-    }
-
-    /// A value in a row of text.
-    fn written(&mut self) -> Result<f64, Stop> {
-        if self.next_in_line().ok_or(Stop::End)? == b'\n' {
-            return Err(Fault::WrongRow { more: false }.into());
-        }
-        let rest = self.rest();
-        let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
-        self.at += length;
-        let word = &rest[..length];
-        Ok(parsed(word).ok_or_else(|| Fault::NotAValue { word: shown(word) })?)
-    }
-
-    /// The bytes of a number, the least first.
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], Stop> {
-        let mut bytes = *self.rest().first_chunk().ok_or(Stop::End)?;
-        self.at += N;
-        if self.encoding == Encoding::BigEndian {
-            bytes.reverse();
-        }
-        Ok(bytes)
-    }
-
-    fn skip(&mut self, count: usize, kind: Type) -> Result<(), Stop> {
-        if self.encoding == Encoding::Ascii {
-            return (0..count).try_for_each(|_| self.written().map(drop));
-        }
-        let length = count.checked_mul(kind.bytes()).filter(|&length| length <= self.rest().len());
-        self.at += length.ok_or(Stop::End)?;
-        Ok(())
-    }
-
-    /// The error for the row that begins here.
-    fn error(&self, element: &Element, row: usize, fault: Fault, bytes: &[u8], file: &str) -> LoadError {
-        if self.encoding == Encoding::Ascii {
-            return LoadError::at_line(file, bytes, self.line, fault);
-        }
-        let place = Place::Record { kind: shown(element.name.as_bytes()), number: row, byte: self.at };
-        LoadError::At { file: file.to_owned(), place, fault, unended: false }
-    }
+    Ok(polygons.push_strip(&strip)?)
 }

@@ -25,8 +25,8 @@ pub(crate) struct Polygons {
     pub corners: Vec<u32>,
     /// Where each face ends in `corners`.
     pub ends: Vec<u32>,
-    /// Names, each with the number of faces that came before it.
-    pub marks: Vec<(usize, String)>,
+    /// Which named part each face belongs to.
+    pub regions: Regions,
 }
 
 impl Polygons {
@@ -44,6 +44,28 @@ impl Polygons {
         Ok(())
     }
 
+    /// Adds the triangles of a strip: every vertex after the second makes one with the two before it, every other turned over.
+    /// Triangles that use a vertex twice, which join strips, are left out.
+    pub fn push_strip(&mut self, strip: &[u32]) -> Result<(), Fault> {
+        self.check_room(3 * strip.len())?;
+        for (place, corners) in strip.windows(3).enumerate() {
+            let [a, b, c] = [corners[0], corners[1], corners[2]];
+            if a != b && b != c && c != a {
+                self.corners.extend(if place % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                self.ends.push(self.corners.len() as u32);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether so many more corners can be counted in 32 bits. Faces that a file writes corner by corner always can.
+    pub fn check_room(&self, more: usize) -> Result<(), Fault> {
+        match u32::try_from(self.corners.len() + more) {
+            Ok(_) => Ok(()),
+            Err(_) => Err(Fault::TooManyCorners),
+        }
+    }
+
     /// The first vertex that a face uses and that has no place in space.
     pub fn nowhere(&self) -> Option<usize> {
         let finite = |point: &[f64; 3]| point.iter().all(|coordinate| coordinate.is_finite());
@@ -56,25 +78,23 @@ impl Polygons {
     /// The triangles, polygons split by ear clipping.
     pub fn into_soup(self) -> Soup {
         if self.ends.iter().zip(1..).all(|(&end, face)| end == 3 * face) {
-            let triangles = self.corners.chunks_exact(3).map(|face| [face[0], face[1], face[2]]).collect();
-            let regions = Regions::from_marks(&self.marks, self.ends.len());
-            return Soup { points: self.points, triangles, regions };
+            let triangles = self.corners.as_chunks().0.to_vec();
+            return Soup { points: self.points, triangles, regions: self.regions };
         }
         let mut triangles = Vec::with_capacity(self.corners.len());
-        let mut marks = Vec::with_capacity(self.marks.len());
-        let mut names = self.marks.iter().peekable();
-        for (index, face) in self.faces().enumerate() {
-            while let Some((_, name)) = names.next_if(|mark| mark.0 == index) {
-                marks.push((triangles.len(), name.clone()));
-            }
+        // The face of each triangle.
+        let mut sources = Vec::with_capacity(self.corners.len());
+        for (face, number) in self.faces().zip(0..) {
             if let &[a, b, c] = face {
                 triangles.push([a, b, c]);
-                continue;
+            } else {
+                let corners: Vec<_> =
+                    face.iter().map(|&index| DVec3::from_array(self.points[index as usize])).collect();
+                triangles.extend(polygon::triangulate(&corners).iter().map(|ear| ear.map(|place| face[place])));
             }
-            let corners: Vec<_> = face.iter().map(|&index| DVec3::from_array(self.points[index as usize])).collect();
-            triangles.extend(polygon::triangulate(&corners).iter().map(|ear| ear.map(|place| face[place])));
+            sources.resize(triangles.len(), number);
         }
-        let regions = Regions::from_marks(&marks, triangles.len());
+        let regions = self.regions.of(&sources);
         Soup { points: self.points, triangles, regions }
     }
 }

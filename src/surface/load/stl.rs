@@ -4,7 +4,7 @@
 //! text does. STL repeats a point for each of its triangles; points with the same coordinates are made one here.
 
 use super::text::{coordinates, shown, words};
-use super::{Fault, LoadError, Place, Polygons};
+use super::{Fault, LoadError, Place, Polygons, Regions};
 use rustc_hash::FxHashMap;
 
 /// 80 bytes of anything, then the number of triangles.
@@ -59,9 +59,10 @@ fn binary(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
     if found < said {
         return Err(LoadError::CutOff { file, what: "triangles".to_owned(), said, found });
     }
-    // Less than a triangle at the end is padding; more could be a part of the surface.
-    if found > said {
-        return Err(LoadError::GoesOn { file, said, bytes: body.len() - said * TRIANGLE });
+    let (body, rest) = body.split_at(said * TRIANGLE);
+    // Less than a triangle of zeros or blanks at the end is padding; anything else could be a part of the surface.
+    if found > said || !rest.iter().all(|&byte| byte == 0 || byte.is_ascii_whitespace()) {
+        return Err(LoadError::GoesOn { file, said, bytes: rest.len() });
     }
     let mut points = Joined::default();
     for (number, triangle) in body.chunks_exact(TRIANGLE).enumerate() {
@@ -86,19 +87,28 @@ fn binary(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
 /// Keywords are read one after the other, whatever lines they stand on; only names and coordinates need theirs.
 fn ascii(text: &[u8], file: &str) -> Result<Polygons, LoadError> {
     let mut points = Joined::default();
-    let mut solid = None;
+    let mut solids = Solids::default();
     for (number, line) in (1..).zip(text.split(|&byte| byte == b'\n')) {
-        ascii_line(line, &mut points, number, &mut solid)
+        ascii_line(line, &mut points, number, &mut solids)
             .map_err(|fault| LoadError::at_line(file, text, number, fault))?;
     }
-    match solid {
-        Some(line) => Err(LoadError::at_line(file, text, line, Fault::EndlessSolid)),
-        None => Ok(points.polygons),
+    if let Some((line, _)) = solids.open {
+        return Err(LoadError::at_line(file, text, line, Fault::EndlessSolid));
     }
+    let mut polygons = points.polygons;
+    polygons.regions = Regions::from_marks(&solids.marks, polygons.ends.len());
+    Ok(polygons)
 }
 
-/// `solid` is the line in which the solid begins that is open.
-fn ascii_line(line: &[u8], points: &mut Joined, number: usize, solid: &mut Option<usize>) -> Result<(), Fault> {
+#[derive(Default)]
+struct Solids {
+    /// Names, each with the number of facets that came before it.
+    marks: Vec<(usize, String)>,
+    /// The line in which the solid begins that is open, and the number of words in its name.
+    open: Option<(usize, usize)>,
+}
+
+fn ascii_line(line: &[u8], points: &mut Joined, number: usize, solids: &mut Solids) -> Result<(), Fault> {
     let mut words = words(line);
     while let Some(word) = words.next() {
         if is_keyword(word, "vertex") {
@@ -118,18 +128,42 @@ fn ascii_line(line: &[u8], points: &mut Joined, number: usize, solid: &mut Optio
             points.end_facet()?;
         } else if is_keyword(word, "solid") {
             points.end_facet()?;
-            let name = words.by_ref().map(String::from_utf8_lossy).collect::<Vec<_>>().join(" ");
-            points.polygons.marks.push((points.polygons.ends.len(), name));
-            *solid = Some(number);
+            let name = name_of_solid(&mut words);
+            solids.open = Some((number, name.len()));
+            let name = name.into_iter().map(String::from_utf8_lossy).collect::<Vec<_>>().join(" ");
+            solids.marks.push((points.polygons.ends.len(), name));
         } else if is_keyword(word, "endsolid") {
             points.end_facet()?;
-            *solid = None;
-            break;
+            let length = solids.open.take().map_or(0, |(_, length)| length);
+            // Another solid may follow on the line, after the name of this one or without it.
+            let mut after_name = words.clone().skip(length);
+            if after_name.next().is_some_and(|word| is_keyword(word, "solid")) {
+                words.by_ref().take(length).for_each(drop);
+            } else if !words.clone().next().is_some_and(|word| is_keyword(word, "solid")) {
+                break;
+            }
         } else if !is_keyword(word, "endloop") {
             return Err(Fault::UnknownWord { word: shown(word) });
         }
     }
     Ok(())
+}
+
+/// The words up to the end of the line, or, where all stands on one line, up to the first facet or the solid's end.
+fn name_of_solid<'a>(words: &mut (impl Iterator<Item = &'a [u8]> + Clone)) -> Vec<&'a [u8]> {
+    let mut name = Vec::new();
+    loop {
+        let mut ahead = words.clone();
+        match ahead.next() {
+            None => return name,
+            Some(word) if is_keyword(word, "endsolid") => return name,
+            Some(word) if is_keyword(word, "facet") && ahead.next().is_some_and(|next| is_keyword(next, "normal")) => {
+                return name;
+            }
+            Some(word) => name.push(word),
+        }
+        words.next();
+    }
 }
 
 fn is_keyword(word: &[u8], keyword: &str) -> bool {

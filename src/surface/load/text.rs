@@ -1,6 +1,27 @@
 //! Words and numbers of text formats.
 
 use super::Fault;
+use std::borrow::Cow;
+
+/// A text whose lines end with carriage returns alone, with line feeds instead; anything else as it is.
+pub fn with_line_feeds(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if bytes.contains(&b'\n') || !bytes.contains(&b'\r') || bytes.contains(&0) {
+        return Cow::Borrowed(bytes);
+    }
+    bytes.iter().map(|&byte| if byte == b'\r' { b'\n' } else { byte }).collect()
+}
+
+/// The lines of a text that say something, up to a `#`, without outer blanks, each with its number, counted from 1.
+pub fn content_lines(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    let lines = (1..).zip(text.split(|&byte| byte == b'\n').map(content));
+    lines.filter(|(_, line)| !line.is_empty())
+}
+
+/// A line up to a `#`, without outer blanks.
+pub fn content(line: &[u8]) -> &[u8] {
+    let end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
+    line[..end].trim_ascii()
+}
 
 /// What is between the blanks of a line.
 pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
@@ -36,4 +57,23 @@ pub fn shown(word: &[u8]) -> String {
         short.push_str("...");
     }
     short
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_texts_without_line_feeds_get_them() {
+        assert_eq!(with_line_feeds(b"a\rb\r\rc").as_ref(), b"a\nb\n\nc");
+        for kept in [&b"a\r\nb\r"[..], b"a\nb\rc", b"a\rb\0", b"ab", b""] {
+            assert!(matches!(with_line_feeds(kept), Cow::Borrowed(same) if same == kept));
+        }
+    }
+
+    #[test]
+    fn lines_that_say_nothing_are_left_out() {
+        let lines: Vec<_> = content_lines(b"# head\n a b # c\n\n \t\r\nd").collect();
+        assert_eq!(lines, [(2, &b"a b"[..]), (5, b"d")]);
+    }
 }

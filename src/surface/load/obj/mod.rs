@@ -3,13 +3,13 @@
 //! `tobj` reads numbers, weights and indices. It is given vertices and faces alone, one statement a line: it knows neither
 //! continued lines nor comments behind a statement, takes `l` for faces, and refuses texts for mistakes in colours, texture
 //! coordinates, normals and materials, which say nothing about the shape. Names are taken here, since `tobj` ends a mesh
-//! with its own vertices at each of them and loses the difference of `g` and `o`.
+//! with its own vertices at each of them and loses the difference of `g`, `o` and `usemtl`.
 
 mod fault;
 mod statements;
 
 use super::text::words;
-use super::{LoadError, Polygons};
+use super::{LoadError, Polygons, Regions};
 use statements::{Kind, Statement, lines, vertices, weight};
 use std::io::{Read, Write};
 
@@ -44,14 +44,46 @@ struct Shape {
     statements: Vec<u8>,
     vertices: usize,
     faces: usize,
-    /// Names, each with the number of faces that came before it.
+    /// Names of regions, each with the number of faces that came before it.
     marks: Vec<(usize, String)>,
+}
+
+/// The names that hold at a place of the text.
+#[derive(Default)]
+struct Names {
+    object: String,
+    /// Once a text has groups, objects name nothing.
+    group: Option<String>,
+    material: String,
+}
+
+impl Names {
+    fn set(&mut self, kind: Kind, name: &[u8]) {
+        let name = String::from_utf8_lossy(&words(name).collect::<Vec<_>>().join(&b' ')).into_owned();
+        match kind {
+            Kind::Group => self.group = Some(name),
+            Kind::Object => self.object = name,
+            Kind::Material => self.material = name,
+        }
+    }
+
+    /// The name of the region: that of the group or object, then that of the material, as one face may have several groups.
+    fn region(&self) -> String {
+        let part = self.group.as_ref().unwrap_or(&self.object);
+        if self.material.is_empty() || self.material == *part {
+            part.clone()
+        } else if part.is_empty() {
+            self.material.clone()
+        } else {
+            format!("{part} {}", self.material)
+        }
+    }
 }
 
 impl Shape {
     fn of(text: &[u8]) -> Self {
         let mut shape = Self { statements: Vec::with_capacity(text.len()), ..Self::default() };
-        let mut grouped = false;
+        let mut names = Names::default();
         for (_, line) in lines(text) {
             match Statement::of(&line) {
                 Some(Statement::Vertex(rest)) => {
@@ -63,11 +95,8 @@ impl Shape {
                     shape.state(b'f', rest);
                 }
                 Some(Statement::Name(kind, rest)) => {
-                    grouped |= kind == Kind::Group;
-                    if kind == Kind::Group || !grouped {
-                        let name = words(rest).collect::<Vec<_>>().join(&b' ');
-                        shape.marks.push((shape.faces, String::from_utf8_lossy(&name).into_owned()));
-                    }
+                    names.set(kind, rest);
+                    shape.marks.push((shape.faces, names.region()));
                 }
                 None => {}
             }
@@ -96,7 +125,8 @@ impl Shape {
         let mesh = models.into_iter().map(|model| model.mesh).next().unwrap_or_default();
 
         let points = mesh.positions.as_chunks().0.to_vec();
-        let mut polygons = Polygons { points, marks: self.marks, ..Polygons::default() };
+        let mut polygons =
+            Polygons { points, regions: Regions::from_marks(&self.marks, self.faces), ..Polygons::default() };
         polygons.corners.reserve(mesh.indices.len());
         let mut corners = mesh.indices.iter().skip(self.vertices);
         for face in 1..=self.faces {

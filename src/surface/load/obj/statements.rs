@@ -1,6 +1,6 @@
 //! The statements of an OBJ text that a surface is read from: vertices, faces and names.
 
-use super::super::text::words;
+use super::super::text::{content, words};
 use std::borrow::Cow;
 
 /// A statement with what follows its keyword.
@@ -9,31 +9,32 @@ pub enum Statement<'a> {
     Vertex(&'a [u8]),
     /// `f`: corners.
     Face(&'a [u8]),
-    /// `g` or `o`: the name of the faces that follow.
+    /// `g`, `o` or `usemtl`: a name of the faces that follow.
     Name(Kind, &'a [u8]),
 }
 
-/// What a name is given to. Groups are the finer division where a file has both.
+/// What a name is given to. Groups are the finer division where a file has objects too; materials divide either.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// `g`.
     Group,
     /// `o`.
     Object,
+    /// `usemtl`.
+    Material,
 }
 
 impl<'a> Statement<'a> {
     /// The statement of a line; `None` where it says nothing about the surface.
     pub fn of(line: &'a [u8]) -> Option<Self> {
-        let (&keyword, rest) = line.split_first()?;
-        if !rest.first().is_none_or(u8::is_ascii_whitespace) {
-            return None;
-        }
+        let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
+        let (keyword, rest) = line.split_at(end);
         match keyword {
-            b'v' => Some(Self::Vertex(rest)),
-            b'f' => Some(Self::Face(rest)),
-            b'g' => Some(Self::Name(Kind::Group, rest)),
-            b'o' => Some(Self::Name(Kind::Object, rest)),
+            b"v" => Some(Self::Vertex(rest)),
+            b"f" => Some(Self::Face(rest)),
+            b"g" => Some(Self::Name(Kind::Group, rest)),
+            b"o" => Some(Self::Name(Kind::Object, rest)),
+            b"usemtl" => Some(Self::Name(Kind::Material, rest)),
             _ => None,
         }
     }
@@ -54,11 +55,6 @@ pub fn lines(text: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
         }
         Some((number, line))
     })
-}
-
-fn content(line: &[u8]) -> &[u8] {
-    let end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
-    line[..end].trim_ascii()
 }
 
 /// The numbers of all vertices' lines and what follows their keyword.
