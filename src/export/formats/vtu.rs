@@ -1,0 +1,88 @@
+//! VTU, the XML format of VTK's unstructured grids, with the numbers appended in binary; the field data `region_names` has the names
+//! of regions.
+//!
+//! Source: the VTK file formats, section "XML file formats".
+
+use super::MeshFile;
+use super::mesh_file::{Array, Values};
+use super::numbers::write_bytes;
+use super::vtk::cell_type;
+use std::borrow::Cow;
+use std::io::{self, Write};
+
+pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
+    let mesh = file.mesh();
+    let integers = |name, values: Vec<i32>| Array { name, components: 1, values: Values::Integers(values) };
+    let connectivity = mesh.faces().flatten().map(|&v| v as i32).collect();
+    let ends = mesh.faces().scan(0, |end, face| {
+        *end += face.len() as i32;
+        Some(*end)
+    });
+    let points = Values::Floats(Cow::Borrowed(mesh.points.as_flattened()));
+    let types = Values::Bytes(mesh.faces().map(|face| cell_type(face.len())).collect());
+    let sections = [
+        ("Points", vec![Array { name: "points", components: 3, values: points }]),
+        (
+            "Cells",
+            vec![
+                integers("connectivity", connectivity),
+                integers("offsets", ends.collect()),
+                Array { name: "types", components: 1, values: types },
+            ],
+        ),
+        ("CellData", file.face_arrays()),
+        ("PointData", file.vertex_arrays()),
+    ];
+    writeln!(writer, "<?xml version=\"1.0\"?>\n<!-- quadmosaic {} -->", env!("CARGO_PKG_VERSION"))?;
+    writeln!(
+        writer,
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">"
+    )?;
+    writeln!(writer, "<UnstructuredGrid>")?;
+    if !mesh.regions.names.is_empty() {
+        let count = mesh.regions.names.len();
+        writeln!(
+            writer,
+            "<FieldData>\n<DataArray type=\"String\" Name=\"region_names\" NumberOfTuples=\"{count}\" format=\"ascii\">"
+        )?;
+        for name in &mesh.regions.names {
+            // The codes of the characters, and a zero at the end.
+            name.bytes().try_for_each(|byte| write!(writer, "{byte} "))?;
+            writeln!(writer, "0")?;
+        }
+        writeln!(writer, "</DataArray>\n</FieldData>")?;
+    }
+    writeln!(writer, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", mesh.points.len(), mesh.face_count())?;
+    let mut offset = 0;
+    for (section, arrays) in &sections {
+        writeln!(writer, "<{section}>")?;
+        for Array { name, components, values } in arrays {
+            let (kind, bytes) = kind(values);
+            writeln!(
+                writer,
+                "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>"
+            )?;
+            offset += size_of::<u64>() + bytes;
+        }
+        writeln!(writer, "</{section}>")?;
+    }
+    write!(writer, "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_")?;
+    for Array { values, .. } in sections.iter().flat_map(|(_, arrays)| arrays) {
+        writer.write_all(&(kind(values).1 as u64).to_le_bytes())?;
+        match values {
+            Values::Bytes(bytes) => writer.write_all(bytes)?,
+            Values::Integers(integers) => write_bytes(writer, integers.iter().map(|x| x.to_le_bytes()))?,
+            Values::Floats(floats) => write_bytes(writer, floats.iter().map(|x| x.to_le_bytes()))?,
+        }
+    }
+    writeln!(writer, "\n</AppendedData>\n</VTKFile>")
+}
+
+/// The name of the type of numbers, and the size of all in bytes.
+fn kind(values: &Values) -> (&'static str, usize) {
+    match values {
+        Values::Bytes(bytes) => ("UInt8", bytes.len()),
+        Values::Integers(integers) => ("Int32", size_of_val(&integers[..])),
+        Values::Floats(floats) => ("Float64", size_of_val(&floats[..])),
+    }
+}
