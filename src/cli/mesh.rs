@@ -206,10 +206,16 @@ fn count_warning(report: &Report) -> Option<String> {
 impl Arguments {
     /// Checks, before long work, that the results can be written.
     fn expect_writable(&self) -> anyhow::Result<()> {
-        self.output.format()?;
+        let conflict = |message| super::Arguments::command().error(ErrorKind::ArgumentConflict, message).into();
+        let format = self.output.format()?;
+        if matches!(self.holes, Holes::Leave) && !format.takes_polygons() {
+            return Err(conflict(format!(
+                "{format} has no faces of more than four corners; --holes leave does not go with it"
+            )));
+        }
         if (&self.output.output, self.report.as_ref()) == (&Output::Standard, Some(&Output::Standard)) {
             let message = "the mesh and the report cannot both go to standard output; name a file for one of them";
-            return Err(super::Arguments::command().error(ErrorKind::ArgumentConflict, message).into());
+            return Err(conflict(message.to_owned()));
         }
         let mut taken: Vec<&Path> = self.source.path().into_iter().collect();
         let report = self.report.as_ref().and_then(Output::path);

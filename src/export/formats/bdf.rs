@@ -33,3 +33,23 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     }
     writeln!(writer, "ENDDATA")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::sample::{sample, text};
+
+    #[test]
+    fn fields_are_in_their_columns() {
+        let text = text(Format::Bdf, &sample());
+        let vertex =
+            "GRID*   5                                            2.0             0.0\n*       0.33333333333333\n";
+        assert!(text.starts_with("$ quadmosaic V\nBEGIN BULK\nGRID*   1 ") && text.contains(vertex), "{text}");
+        let elements = "$HMNAME PROP                   1\"wing tip\"\n\
+                        CQUAD4  1       1       1       2       3       4       \n\
+                        CTRIA3  2       1       2       5       3       \n\
+                        $HMNAME PROP                   2\"rest\"\n\
+                        CTRIA3  3       2       5       6       3       \nENDDATA\n";
+        assert!(text.ends_with(elements), "{text}");
+    }
+}

@@ -51,7 +51,7 @@ const NAMES: [(Format, &str); 12] = [
 
 /// The name or the extension is none of a [`Format`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{} is no format of meshes; the formats are {}", if .0.is_empty() { "no extension".to_owned() } else { format!("{:?}", .0) }, Format::list())]
+#[error("{}; the formats are {}", if .0.is_empty() { "there is no extension".to_owned() } else { format!("{:?} is no format of meshes", .0) }, Format::list())]
 pub struct UnknownFormat(pub String);
 
 impl Format {
@@ -111,6 +111,6 @@ mod tests {
         assert_eq!(Format::from_extension(Path::new("a.b/wing.OBJ")), Ok(Format::Obj));
         let message = |path: &str| Format::from_extension(Path::new(path)).expect_err("no format").to_string();
         assert!(message("wing.stp").starts_with("\"stp\" is no format of meshes; the formats are obj, ply, stl,"));
-        assert!(message("wing").starts_with("no extension is no format"), "{}", message("wing"));
+        assert!(message("wing").starts_with("there is no extension; the formats are"), "{}", message("wing"));
     }
 }

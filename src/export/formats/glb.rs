@@ -96,3 +96,31 @@ fn edges(mesh: &Mesh, group: &Group) -> Vec<[u32; 2]> {
     edges.dedup();
     edges
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::sample::{bytes, sample};
+    use super::*;
+
+    #[test]
+    fn chunks_and_views_are_as_long_as_they_say() {
+        let bytes = bytes(Format::Glb, &sample());
+        let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize;
+        assert_eq!((number(4), number(8), number(16)), (2, bytes.len(), JSON as usize));
+        let text = number(12);
+        let scene: Value = serde_json::from_slice(&bytes[20..20 + text]).expect("it is JSON");
+        // Six points, and of the regions three triangles and one, six edges and three.
+        let [points, indices] = [6 * 12, 4 * (3 * 4 + 2 * (6 + 3))];
+        assert_eq!(number(20 + text), points + indices);
+        assert_eq!(bytes.len(), 28 + text + points + indices);
+        assert_eq!(
+            scene["bufferViews"][1],
+            json!({"buffer": 0, "byteOffset": points, "byteLength": indices, "target": INDICES})
+        );
+        assert_eq!(scene["nodes"][0]["name"], "wing tip");
+        assert_eq!(scene["accessors"][2]["count"], 12);
+        assert_eq!(scene["nodes"][0]["translation"][0], 1.0);
+        assert_eq!(scene["accessors"][0]["min"][0], -1.0);
+    }
+}

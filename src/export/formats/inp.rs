@@ -36,7 +36,7 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
         })?;
     }
     for (group, name) in groups.iter().zip(identifiers(groups.iter().map(|group| group.name), NAME)) {
-        writeln!(writer, "*ELSET, ELSET={name}, GENERATE\n{}, {}", group.faces().start + 1, group.faces().end)?;
+        writeln!(writer, "*ELSET, ELSET={name}, GENERATE\n{}, {}, 1", group.faces().start + 1, group.faces().end)?;
     }
     let mut is_boundary = vec![false; mesh.points.len()];
     let boundary = mesh.edges().into_iter().filter(|edge| edge.is_boundary());
@@ -57,4 +57,22 @@ fn write_set(writer: &mut dyn Write, name: &str, is_in: &[bool]) -> io::Result<(
         writeln!(writer, "*NSET, NSET={name}")?;
     }
     numbers.chunks(IN_A_LINE).try_for_each(|line| writeln!(writer, "{}", line.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::sample::{sample, text};
+
+    #[test]
+    fn regions_are_element_sets_and_kinds_are_node_sets() {
+        let expected = "*HEADING\nquadmosaic V\n*NODE\n1, 0.0, 0.0, 0.0\n2, 1.0, 0.0, 0.0\n3, 1.0, 1.0, 0.0\n\
+                        4, 0.0, 1.0, 0.0\n5, 2.0, 0.0, 0.3333333333333333\n6, 2.0, 1.0, -1.0E-7\n\
+                        *ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n*ELEMENT, TYPE=S3\n2, 2, 5, 3\n\
+                        *ELEMENT, TYPE=S3\n3, 5, 6, 3\n\
+                        *ELSET, ELSET=wing_tip, GENERATE\n1, 2, 1\n*ELSET, ELSET=rest, GENERATE\n3, 3, 1\n\
+                        *NSET, NSET=BOUNDARY\n1, 2, 3, 4, 5, 6\n*NSET, NSET=FEATURE\n1, 3, 4, 6\n\
+                        *NSET, NSET=CORNER\n1, 4\n";
+        assert_eq!(text(Format::Inp, &sample()), expected);
+    }
 }

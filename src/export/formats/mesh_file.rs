@@ -198,3 +198,45 @@ fn barycentric([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
     let [second, third] = [(c, a), (a, b)].map(|(p, q)| (q - p).cross(point - p).dot(normal) / area);
     [1.0 - second - third, second, third]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{sample, with_pentagon};
+    use super::*;
+
+    #[test]
+    fn regions_have_quads_then_triangles_then_larger_faces() {
+        let file = sample();
+        let groups = file.groups();
+        let expected = [
+            Group { name: "wing tip", quads: 0..1, triangles: 1..2, polygons: 2..2 },
+            Group { name: "rest", quads: 2..2, triangles: 2..3, polygons: 3..3 },
+        ];
+        assert_eq!(groups, expected);
+        let file = with_pentagon();
+        assert_eq!(file.groups(), [Group { name: "", quads: 0..0, triangles: 0..1, polygons: 1..2 }]);
+        assert_eq!(file.mesh().face(1), [0, 1, 4, 2, 3]);
+        assert!(MeshFile::default().groups().is_empty());
+    }
+
+    #[test]
+    fn faces_of_a_kind_keep_their_order() {
+        let mut mesh = Mesh::new(vec![[0.0; 3]; 9]);
+        for v in 0..6 {
+            mesh.push_face(&[v, 6, 7, 8][..3 + v as usize % 2]);
+        }
+        let firsts: Vec<u32> = ordered(&mesh).faces().map(|face| face[0]).collect();
+        assert_eq!(firsts, [1, 3, 5, 0, 2, 4]);
+    }
+
+    #[test]
+    fn barycentric_coordinates_give_the_point() {
+        let corners = [DVec3::ZERO, DVec3::new(2.0, 0.0, 1.0), DVec3::new(0.0, 3.0, 0.5)];
+        for weights in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.3, 0.5], [1.5, -0.25, -0.25]] {
+            let point = (0..3).map(|k| corners[k] * weights[k]).sum::<DVec3>();
+            let found = barycentric(corners, point);
+            assert!((0..3).all(|k| (found[k] - weights[k]).abs() < 1e-12), "{found:?}");
+        }
+        assert_eq!(barycentric([DVec3::ONE; 3], DVec3::ZERO), [1.0, 0.0, 0.0]);
+    }
+}

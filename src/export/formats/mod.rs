@@ -31,7 +31,7 @@ mod vtk;
 mod vtu;
 
 #[cfg(test)]
-mod tests;
+mod sample;
 
 pub use format::{Format, UnknownFormat};
 pub use mesh_file::{MeshFile, ordered};
@@ -80,5 +80,33 @@ fn records(writer: &mut dyn Write, format: Format, mesh: &MeshFile) -> io::Resul
         Format::Inp => inp::write(writer, mesh),
         Format::Bdf => bdf::write(writer, mesh),
         Format::Glb => glb::write(writer, mesh),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sample::{bytes, sample, with_pentagon};
+    use super::*;
+
+    #[test]
+    fn the_same_mesh_gives_the_same_bytes() {
+        for format in Format::all() {
+            assert_eq!(bytes(format, &sample()), bytes(format, &sample()), "{format}");
+        }
+    }
+
+    #[test]
+    fn larger_faces_are_written_or_refused() {
+        for format in Format::all() {
+            let mut written = Vec::new();
+            match write_mesh_to(&mut written, format, &with_pentagon()) {
+                Ok(()) => assert!(format.takes_polygons() && !written.is_empty(), "{format}"),
+                Err(error) => {
+                    let said = error.to_string();
+                    assert!(!format.takes_polygons() && written.is_empty(), "{said}");
+                    assert!(said.contains("the mesh has 1;") && said.contains("--holes patterns"), "{said}");
+                }
+            }
+        }
     }
 }

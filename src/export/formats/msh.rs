@@ -85,3 +85,21 @@ fn bounds(mesh: &Mesh, group: &Group) -> [[f64; 3]; 2] {
     }
     bounds
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::sample::{bytes, sample};
+
+    #[test]
+    fn sections_are_as_long_as_their_counts_say() {
+        let bytes = bytes(Format::Msh, &sample());
+        let at = |name: &str| bytes.windows(name.len()).position(|some| some == name.as_bytes()).expect(name);
+        let length = |name: &str| at(&format!("\n$End{name}")) - at(&format!("${name}\n")) - name.len() - 2;
+        assert_eq!(length("MeshFormat"), "4.1 1 8\n".len() + 4);
+        assert_eq!(length("Entities"), 4 * 8 + 2 * (4 + 6 * 8 + 8 + 4 + 8));
+        assert_eq!(length("Nodes"), 4 * 8 + 3 * 4 + 8 + 6 * (8 + 24));
+        assert_eq!(length("Elements"), 4 * 8 + 3 * (3 * 4 + 8) + 8 * (5 + 4 + 4));
+        assert!(bytes.windows(40).any(|some| some.starts_with(b"$PhysicalNames\n2\n2 1 \"wing tip\"\n2 2 \"rest\"\n")));
+    }
+}

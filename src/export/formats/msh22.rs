@@ -38,3 +38,19 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     }
     writeln!(writer, "\n$EndElements")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::sample::{bytes, sample};
+
+    #[test]
+    fn sections_are_as_long_as_their_counts_say() {
+        let bytes = bytes(Format::Msh22, &sample());
+        let at = |name: &str| bytes.windows(name.len()).position(|some| some == name.as_bytes()).expect(name);
+        let length = |name: &str| at(&format!("\n$End{name}")) - at(&format!("${name}\n")) - name.len() - 2;
+        assert_eq!(length("MeshFormat"), "2.2 1 8\n".len() + 4);
+        assert_eq!(length("Nodes"), 2 + 6 * (4 + 24));
+        assert_eq!(length("Elements"), 2 + 3 * 12 + 4 * (3 * 3 + 4 + 3 + 3));
+    }
+}

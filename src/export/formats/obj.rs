@@ -24,3 +24,18 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::sample::{sample, text, with_pentagon};
+
+    #[test]
+    fn regions_are_groups_and_quads_come_first() {
+        let points = "v 0.0 0.0 0.0\nv 1.0 0.0 0.0\nv 1.0 1.0 0.0\nv 0.0 1.0 0.0\nv 2.0 0.0 0.3333333333333333\nv 2.0 1.0 -1e-7\n";
+        let faces = "g wing tip\nf 1 2 3 4\nf 2 5 3\ng rest\nf 5 6 3\n";
+        assert_eq!(text(Format::Obj, &sample()), format!("# quadmosaic V\n{points}{faces}"));
+        let faces = "f 5 6 3\nf 1 2 5 3 4\n";
+        assert_eq!(text(Format::Obj, &with_pentagon()), format!("# quadmosaic V\n{points}{faces}"));
+    }
+}

@@ -25,3 +25,17 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::sample::{sample, text};
+
+    #[test]
+    fn counts_come_first_and_names_are_comments() {
+        let expected = "OFF\n# quadmosaic V\n6 3 0\n0.0 0.0 0.0\n1.0 0.0 0.0\n1.0 1.0 0.0\n0.0 1.0 0.0\n\
+                        2.0 0.0 0.3333333333333333\n2.0 1.0 -1e-7\n\
+                        # wing tip\n4 0 1 2 3\n3 1 4 2\n# rest\n3 4 5 2\n";
+        assert_eq!(text(Format::Off, &sample()), expected);
+    }
+}

@@ -54,3 +54,22 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::sample::{bytes, sample, text, with_pentagon};
+
+    #[test]
+    fn named_regions_are_solids_and_others_are_binary() {
+        let text = text(Format::Stl, &sample());
+        let names: Vec<&str> = text.lines().filter(|line| line.contains("solid")).collect();
+        assert_eq!(names, ["solid wing tip", "endsolid wing tip", "solid rest", "endsolid rest"]);
+        assert_eq!(text.matches("facet normal 0.0 0.0 1.0").count(), 2, "the quad is two triangles\n{text}");
+        assert!(text.contains("vertex 2.0 0.0 0.3333333333333333\n"));
+        let bytes = bytes(Format::Stl, &with_pentagon());
+        assert_eq!(bytes.len(), 84 + 50 * 4);
+        assert_eq!(bytes[80..84], 4_u32.to_le_bytes());
+        assert!(!bytes.starts_with(b"solid"));
+    }
+}

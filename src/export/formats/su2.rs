@@ -29,3 +29,18 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::sample::{sample, text};
+
+    #[test]
+    fn regions_are_markers() {
+        let text = text(Format::Su2, &sample());
+        assert!(text.starts_with("% quadmosaic V\nNDIME= 3\nNPOIN= 6\n0.0 0.0 0.0 0\n"), "{text}");
+        let markers = "2.0 1.0 -1e-7 5\nNMARK= 2\nMARKER_TAG= wing_tip\nMARKER_ELEMS= 2\n9 0 1 2 3\n5 1 4 2\n\
+                       MARKER_TAG= rest\nMARKER_ELEMS= 1\n5 4 5 2\n";
+        assert!(text.ends_with(markers), "{text}");
+    }
+}

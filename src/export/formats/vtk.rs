@@ -75,3 +75,40 @@ fn write_string(writer: &mut dyn Write, text: &str) -> io::Result<()> {
     }
     writer.write_all(text.as_bytes())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::sample::{bytes, sample};
+    use super::*;
+
+    #[test]
+    fn sections_follow_each_other() {
+        let bytes = bytes(Format::Vtk, &sample());
+        let text = String::from_utf8_lossy(&bytes);
+        let mut from = 0;
+        for line in [
+            "DATASET UNSTRUCTURED_GRID\nFIELD FieldData 1\nregion_names 1 2 string\n",
+            "\nPOINTS 6 double\n",
+            "\nCELLS 3 13\n",
+            "\nCELL_TYPES 3\n",
+            "\nCELL_DATA 3\nFIELD FieldData 3\nregion 1 3 int\n",
+            "\nPOINT_DATA 6\nFIELD FieldData 4\nkind 1 6 int\n",
+            "\nsource_barycentric 3 6 double\n",
+        ] {
+            from += text[from..].find(line).unwrap_or_else(|| panic!("{line} in {text}"));
+        }
+    }
+
+    #[test]
+    fn the_length_of_a_string_comes_first() {
+        let written = |length: usize| {
+            let mut bytes = Vec::new();
+            write_string(&mut bytes, &"a".repeat(length)).expect("a vector takes all");
+            bytes
+        };
+        assert_eq!(written(3), [0xC3, b'a', b'a', b'a']);
+        assert_eq!(written(200)[..3], [0x80, 200, b'a']);
+        assert_eq!(written(20_000)[..5], [0x40, 0, 0x4E, 0x20, b'a']);
+    }
+}

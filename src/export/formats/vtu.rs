@@ -86,3 +86,40 @@ fn kind(values: &Values) -> (&'static str, usize) {
         Values::Floats(floats) => ("Float64", size_of_val(&floats[..])),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::sample::{bytes, sample};
+
+    #[test]
+    fn blocks_begin_at_their_offsets() {
+        let bytes = bytes(Format::Vtu, &sample());
+        let head = String::from_utf8_lossy(&bytes).into_owned();
+        let data = bytes.windows(7).position(|some| some == b"\"raw\">\n").expect("appended data") + 8;
+        let arrays: Vec<(&str, usize)> = head
+            .lines()
+            .filter_map(|line| {
+                let name = line.split("Name=\"").nth(1)?.split('"').next()?;
+                Some((name, line.split("offset=\"").nth(1)?.split('"').next()?.parse().ok()?))
+            })
+            .collect();
+        let size = |at: usize| u64::from_le_bytes(bytes[data + at..][..8].try_into().expect("eight bytes")) as usize;
+        let expected = [
+            ("points", 6 * 24),
+            ("connectivity", 4 * 10),
+            ("offsets", 4 * 3),
+            ("types", 3),
+            ("region", 4 * 3),
+            ("shape", 8 * 3),
+            ("scaled_jacobian", 8 * 3),
+            ("kind", 4 * 6),
+            ("source_triangle", 4 * 6),
+            ("source_barycentric", 6 * 24),
+            ("field", 6 * 24),
+        ];
+        assert_eq!(arrays.iter().map(|&(name, at)| (name, size(at))).collect::<Vec<_>>(), expected);
+        let last = arrays[arrays.len() - 1].1;
+        assert_eq!(bytes[data + last + 8 + 6 * 24..], *b"\n</AppendedData>\n</VTKFile>\n");
+    }
+}
