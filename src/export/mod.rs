@@ -1,21 +1,21 @@
 //! Writes meshes, fields and tiles to files, each format in its own module. A file appears complete or not at all.
 
+mod field_ply;
+mod field_vtk;
 mod formats;
-mod mesh_ply;
-mod ply;
+mod shaded_ply;
 mod tiles;
-mod vtk;
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
+pub use field_ply::write_field_ply;
+pub use field_vtk::write_field_vtk;
 pub use formats::{Format, MeshFile, UnknownFormat, ordered, write_mesh, write_mesh_to};
-pub use mesh_ply::{Shade, write_mesh_ply};
-pub use ply::write_field_ply;
+pub use shaded_ply::{Shade, write_mesh_ply};
 pub use tiles::tile_mesh;
-pub use vtk::write_field_vtk;
 
 /// Why a file was not written. What was there before is unchanged.
 #[derive(Debug, thiserror::Error)]

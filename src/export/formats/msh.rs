@@ -4,6 +4,7 @@
 
 use super::MeshFile;
 use super::mesh_file::Group;
+use super::names::or_unnamed;
 use super::numbers::write_bytes;
 use crate::mesh::Mesh;
 use std::io::{self, Write};
@@ -13,8 +14,6 @@ pub(super) const TRIANGLE: i32 = 2;
 pub(super) const QUAD: i32 = 3;
 /// The dimension of a surface.
 pub(super) const SURFACE: i32 = 2;
-/// The name of a region without one.
-const UNNAMED: &str = "surface";
 
 pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     let mesh = file.mesh();
@@ -60,8 +59,7 @@ pub(super) fn write_head(writer: &mut dyn Write, version: &str, groups: &[Group]
     write_integers(writer, &[1])?;
     writeln!(writer, "\n$EndMeshFormat\n$PhysicalNames\n{}", groups.len())?;
     for (tag, group) in (1..).zip(groups) {
-        let name = if group.name.is_empty() { UNNAMED } else { group.name };
-        writeln!(writer, "{SURFACE} {tag} \"{}\"", name.replace('"', "'"))?;
+        writeln!(writer, "{SURFACE} {tag} \"{}\"", or_unnamed(group.name).replace('"', "'"))?;
     }
     writeln!(writer, "$EndPhysicalNames")
 }

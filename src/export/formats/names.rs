@@ -5,15 +5,19 @@ use rustc_hash::FxHashSet;
 /// The name of a region without one.
 const UNNAMED: &str = "surface";
 
+/// A name, or the one of a region without a name.
+pub(super) fn or_unnamed(name: &str) -> &str {
+    if name.is_empty() { UNNAMED } else { name }
+}
+
 /// The names as identifiers of at most `longest` characters: a letter, then letters, digits, `-` and `_`. Other characters become
 /// `_`, a nameless region is `surface`, and equal names (whatever their case) get numbers.
 pub(super) fn identifiers<'a>(names: impl Iterator<Item = &'a str>, longest: usize) -> Vec<String> {
     let mut taken = FxHashSet::default();
     names
         .map(|name| {
-            let name = if name.is_empty() { UNNAMED } else { name };
             let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-            let plain: String = name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect();
+            let plain: String = or_unnamed(name).chars().map(|c| if is_plain(c) { c } else { '_' }).collect();
             let starts_well = plain.starts_with(|c: char| c.is_ascii_alphabetic());
             let plain = if starts_well { plain } else { format!("r{plain}") };
             let numbered = |number: usize| match number {

@@ -1,10 +1,11 @@
-//! VTK legacy, binary, big-endian: an unstructured grid with arrays of vertices and faces; the field data `region_names` has the
-//! names of regions.
+//! VTK legacy, binary, big-endian: an unstructured grid with arrays of vertices and faces; the field data has an
+//! array for each region, named as it, of its number and its dimension, 2.
 //!
 //! Source: the VTK file formats, section "Simple legacy formats"; version 3.0, which every program reads.
 
 use super::MeshFile;
 use super::mesh_file::{Array, Values};
+use super::names::or_unnamed;
 use super::numbers::write_bytes;
 use std::io::{self, Write};
 
@@ -22,11 +23,12 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     writeln!(writer, "# vtk DataFile Version 3.0\nquadmosaic {}\nBINARY", env!("CARGO_PKG_VERSION"))?;
     writeln!(writer, "DATASET UNSTRUCTURED_GRID")?;
     if !mesh.regions.names.is_empty() {
-        writeln!(writer, "FIELD FieldData 1\nregion_names 1 {} string", mesh.regions.names.len())?;
-        for name in &mesh.regions.names {
-            write_string(writer, name)?;
+        writeln!(writer, "FIELD FieldData {}", mesh.regions.names.len())?;
+        for (region, name) in (0_i32..).zip(&mesh.regions.names) {
+            writeln!(writer, "{} 2 1 int", encoded(or_unnamed(name)))?;
+            write_bytes(writer, [region, 2].map(i32::to_be_bytes))?;
+            writeln!(writer)?;
         }
-        writeln!(writer)?;
     }
     writeln!(writer, "POINTS {} double", mesh.points.len())?;
     write_bytes(writer, mesh.points.as_flattened().iter().map(|x| x.to_be_bytes()))?;
@@ -66,14 +68,13 @@ fn write_arrays(writer: &mut dyn Write, section: &str, count: usize, arrays: &[A
     Ok(())
 }
 
-/// Writes a string as VTK does: its length, whose size the first two bits tell, and its bytes.
-fn write_string(writer: &mut dyn Write, text: &str) -> io::Result<()> {
-    match text.len() as u64 {
-        length @ ..0x40 => writer.write_all(&[0xC0 | length as u8])?,
-        length @ ..0x4000 => writer.write_all(&(0x8000 | length as u16).to_be_bytes())?,
-        length => writer.write_all(&(0x4000_0000 | length as u32).to_be_bytes())?,
-    }
-    writer.write_all(text.as_bytes())
+/// A name as VTK writes it: without blanks, which are `%20`.
+fn encoded(name: &str) -> String {
+    let code = |byte: u8| match byte {
+        b'!'..=b'~' if !b"\"%".contains(&byte) => char::from(byte).to_string(),
+        _ => format!("%{byte:02X}"),
+    };
+    name.bytes().map(code).collect()
 }
 
 #[cfg(test)]
@@ -88,7 +89,7 @@ mod tests {
         let text = String::from_utf8_lossy(&bytes);
         let mut from = 0;
         for line in [
-            "DATASET UNSTRUCTURED_GRID\nFIELD FieldData 1\nregion_names 1 2 string\n",
+            "DATASET UNSTRUCTURED_GRID\nFIELD FieldData 2\nwing%20tip 2 1 int\n",
             "\nPOINTS 6 double\n",
             "\nCELLS 3 13\n",
             "\nCELL_TYPES 3\n",
@@ -101,14 +102,8 @@ mod tests {
     }
 
     #[test]
-    fn the_length_of_a_string_comes_first() {
-        let written = |length: usize| {
-            let mut bytes = Vec::new();
-            write_string(&mut bytes, &"a".repeat(length)).expect("a vector takes all");
-            bytes
-        };
-        assert_eq!(written(3), [0xC3, b'a', b'a', b'a']);
-        assert_eq!(written(200)[..3], [0x80, 200, b'a']);
-        assert_eq!(written(20_000)[..5], [0x40, 0, 0x4E, 0x20, b'a']);
+    fn names_have_no_blanks() {
+        assert_eq!(encoded("wing tip 5%"), "wing%20tip%205%25");
+        assert_eq!(encoded("ü"), "%C3%BC");
     }
 }

@@ -1,10 +1,11 @@
-//! VTU, the XML format of VTK's unstructured grids, with the numbers appended in binary; the field data `region_names` has the names
-//! of regions.
+//! VTU, the XML format of VTK's unstructured grids, with the numbers appended in binary; the field data has an array for each
+//! region, named as it, of its number and its dimension, 2.
 //!
 //! Source: the VTK file formats, section "XML file formats".
 
 use super::MeshFile;
 use super::mesh_file::{Array, Values};
+use super::names::or_unnamed;
 use super::numbers::write_bytes;
 use super::vtk::cell_type;
 use std::borrow::Cow;
@@ -40,17 +41,16 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     )?;
     writeln!(writer, "<UnstructuredGrid>")?;
     if !mesh.regions.names.is_empty() {
-        let count = mesh.regions.names.len();
-        writeln!(
-            writer,
-            "<FieldData>\n<DataArray type=\"String\" Name=\"region_names\" NumberOfTuples=\"{count}\" format=\"ascii\">"
-        )?;
-        for name in &mesh.regions.names {
-            // The codes of the characters, and a zero at the end.
-            name.bytes().try_for_each(|byte| write!(writer, "{byte} "))?;
-            writeln!(writer, "0")?;
+        writeln!(writer, "<FieldData>")?;
+        for (region, name) in mesh.regions.names.iter().enumerate() {
+            let name = escaped(or_unnamed(name));
+            let size = "NumberOfComponents=\"2\" NumberOfTuples=\"1\"";
+            writeln!(
+                writer,
+                "<DataArray type=\"Int32\" Name=\"{name}\" {size} format=\"ascii\">{region} 2</DataArray>"
+            )?;
         }
-        writeln!(writer, "</DataArray>\n</FieldData>")?;
+        writeln!(writer, "</FieldData>")?;
     }
     writeln!(writer, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", mesh.points.len(), mesh.face_count())?;
     let mut offset = 0;
@@ -78,6 +78,18 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     writeln!(writer, "\n</AppendedData>\n</VTKFile>")
 }
 
+/// A name as the value of an attribute; characters that XML does not hold become `_`.
+fn escaped(name: &str) -> String {
+    let code = |c: char| match c {
+        '&' => "&amp;".to_owned(),
+        '<' => "&lt;".to_owned(),
+        '"' => "&quot;".to_owned(),
+        c if c.is_control() => "_".to_owned(),
+        c => c.to_string(),
+    };
+    name.chars().map(code).collect()
+}
+
 /// The name of the type of numbers, and the size of all in bytes.
 fn kind(values: &Values) -> (&'static str, usize) {
     match values {
@@ -91,6 +103,17 @@ fn kind(values: &Values) -> (&'static str, usize) {
 mod tests {
     use super::super::Format;
     use super::super::sample::{bytes, sample};
+    use super::*;
+
+    #[test]
+    fn names_are_valid_in_xml() {
+        assert_eq!(escaped("a<b> & \"c\"\u{7}"), "a&lt;b> &amp; &quot;c&quot;_");
+        let text = String::from_utf8_lossy(&bytes(Format::Vtu, &sample())).into_owned();
+        assert!(
+            text.contains("Name=\"wing tip\" NumberOfComponents=\"2\" NumberOfTuples=\"1\" format=\"ascii\">0 2<"),
+            "{text}"
+        );
+    }
 
     #[test]
     fn blocks_begin_at_their_offsets() {
