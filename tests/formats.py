@@ -17,7 +17,7 @@ import trimesh
 
 PROGRAM = sys.argv[1]
 FORMATS = ["obj", "ply", "stl", "off", "vtk", "vtu", "msh", "msh22", "su2", "inp", "bdf", "glb"]
-TRIANGLES_ONLY = ["stl", "glb"]
+WITH_POLYGONS = ["obj", "ply", "stl", "off", "vtk", "vtu", "glb"]
 
 
 def run(*arguments, **options):
@@ -45,13 +45,6 @@ class Reference:
         pairs = zip(self.faces, self.regions)
         return [face for face, name in pairs if len(face) == corners and region in (None, name)]
 
-    def area(self):
-        return sum(np.linalg.norm(self.normal(face)) for face in self.faces) / 2
-
-    def normal(self, face):
-        corners = self.points[face]
-        return sum(np.cross(a - corners[0], b - corners[0]) for a, b in zip(corners[1:], corners[2:]))
-
 
 def expect(condition, what):
     if not condition:
@@ -67,6 +60,12 @@ def same_points(found, mesh, what, tolerance=0.0):
     expect(found.shape == mesh.points.shape, f"{what}: {found.shape} points")
     error = np.abs(found - mesh.points).max()
     expect(error <= tolerance, f"{what}: points differ by {error}")
+
+
+def has_points(found, mesh, what):
+    """Whether each point of the mesh is among those found, which are f32."""
+    distances = np.linalg.norm(mesh.points[:, None] - np.asarray(found), axis=2).min(axis=1)
+    expect(distances.max() <= 1e-6, f"{what}: points differ by {distances.max()}")
 
 
 def cells(read, corners):
@@ -110,19 +109,23 @@ def check_stl(path, mesh):
     expect(len(cells(read, 3)) == count, f"stl: {len(cells(read, 3))} triangles")
     surface = pyvista.read(path)
     expect(surface.n_cells == count, "stl by VTK: the number of triangles")
-    expect(abs(surface.area - mesh.area()) < 1e-2 * mesh.area(), "stl by VTK: the area")
+    has_points(surface.points, mesh, "stl by VTK")
     if mesh.names != [""]:
         solids = [line[6:] for line in path.read_text().splitlines() if line.startswith("solid ")]
         expect(solids == mesh.names, f"stl: the solids {solids}")
 
 
 def check_off(path, mesh):
-    read = trimesh.load(path, process=False, force="mesh")
-    same_points(read.vertices, mesh, path.name)
-    expect(len(read.faces) == sum(len(face) - 2 for face in mesh.faces), "off: the number of triangles")
+    """trimesh splits quads, and does not read larger faces."""
+    if max(map(len, mesh.faces)) <= 4:
+        read = trimesh.load(path, process=False, force="mesh")
+        same_points(read.vertices, mesh, path.name)
+        expect(len(read.faces) == sum(len(face) - 2 for face in mesh.faces), "off: the number of triangles")
     lines = [line.split() for line in path.read_text().splitlines() if not line.startswith("#")]
     expect(lines[1] == [str(len(mesh.points)), str(len(mesh.faces)), "0"], "off: the counts")
-    same_faces([line[1:] for line in lines[2 + len(mesh.points) :]], mesh.faces, "off")
+    count = len(mesh.points)
+    same_points([[float(x) for x in line] for line in lines[2 : 2 + count]], mesh, path.name)
+    same_faces([line[1:] for line in lines[2 + count :]], mesh.faces, "off")
 
 
 def check_vtk(path, mesh):
@@ -147,7 +150,9 @@ def check_vtk(path, mesh):
     corners = source.points[np.array(source.faces)[grid.point_data["source_triangle"]]]
     places = np.einsum("ij,ijk->ik", grid.point_data["source_barycentric"], corners)
     same_points(places, mesh, f"{path.name}: sources", 1e-9)
-    expect(set(read.cell_data) == {"region", "shape", "scaled_jacobian"}, f"{path.name}: arrays of cells")
+    # Of a legacy file with larger faces, meshio reads no arrays of cells.
+    arrays = {"region", "shape", "scaled_jacobian"} if path.suffix == ".vtu" or 7 not in kinds else set()
+    expect(set(read.cell_data) == arrays, f"{path.name}: arrays of cells {set(read.cell_data)}")
 
 
 def check_vtu(path, mesh):
@@ -205,8 +210,7 @@ def check_glb(path, mesh):
     solids = [part for part in scene.geometry.values() if isinstance(part, trimesh.Trimesh)]
     count = sum(len(face) - 2 for face in mesh.faces)
     expect(sum(len(solid.faces) for solid in solids) == count, "glb: the number of triangles")
-    size = np.ptp(mesh.points, axis=0).max()
-    expect(np.abs(scene.bounds - [mesh.points.min(axis=0), mesh.points.max(axis=0)]).max() < 1e-6 * size, "glb: the box")
+    has_points(scene.to_geometry().vertices, mesh, "glb")
     data = path.read_bytes()
     length = struct.unpack("<I", data[12:16])[0]
     content = json.loads(data[20 : 20 + length])
@@ -216,6 +220,19 @@ def check_glb(path, mesh):
     for face, region in zip(mesh.faces, mesh.regions):
         edges |= {(region, *sorted(side)) for side in zip(face, face[1:] + face[:1])}
     expect(lines == 2 * len(edges), f"glb: {lines} ends of lines, {len(edges)} edges")
+
+
+def expect_refusal(check, path, mesh):
+    """The check fails where a point is elsewhere."""
+    points = mesh.points.copy()
+    mesh.points[7] += 1e-3
+    try:
+        check(path, mesh)
+    except AssertionError:
+        return
+    finally:
+        mesh.points = points
+    raise AssertionError(f"{path.name}: a moved point is not seen")
 
 
 def box(path):
@@ -270,10 +287,10 @@ U
     (folder / "model.inp").write_text(model)
     solver = subprocess.run(["ccx", "model"], cwd=folder, capture_output=True, text=True)
     expect(solver.returncode == 0 and "*ERROR" not in solver.stdout, f"CalculiX: {solver.stdout[-2000:]}")
-    lines = (folder / "model.frd").read_text().split("-4  DISP")[1].split("-3")[0].splitlines()
+    lines = (folder / "model.frd").read_text().split("-4  DISP")[1].splitlines()
+    lines = lines[: [line.strip() for line in lines].index("-3")]
     values = np.array([[float(line[13 + 12 * k : 25 + 12 * k]) for k in range(3)] for line in lines if line[:3] == " -1"])
     deflection = np.abs(values[:, 2]).max()
-    # A clamped strip as wide as the plate's narrow side bends more, nothing bends less than nothing.
     expect(np.isfinite(values).all() and 1e-6 < deflection < 1e-1, f"CalculiX: a deflection of {deflection}")
     print(f"CalculiX: {len(values)} nodes of the expanded shell, largest deflection {deflection:.3e}")
 
@@ -294,24 +311,30 @@ def main():
         folder = pathlib.Path(name)
         box(folder / "box.obj")
         run("example", "plate", "--triangles", "500", "-o", folder / "plate.obj")
-        for source, options in (("plate", []), ("box", ["--quads", "paper"])):
+        for source, options, formats in (
+            ("plate", ["--holes", "leave", "--no-cleanup"], WITH_POLYGONS),
+            ("plate", [], FORMATS),
+            ("box", ["--quads", "paper"], FORMATS),
+        ):
             arguments = ["mesh", folder / f"{source}.obj", "--points", "600", *options]
             run(*arguments, "-o", folder / "mesh.obj")
             mesh = Reference(folder / "mesh.obj")
             mesh.source = Reference(folder / f"{source}.obj")
-            expect(len(mesh.of(3)) > 0 and len(mesh.of(4)) > 100, "there are quads and triangles")
-            for form in FORMATS:
+            counts = [len(mesh.of(4)), len(mesh.of(3)), sum(len(face) > 4 for face in mesh.faces)]
+            some_larger = formats != FORMATS
+            expect(counts[0] > 100 and (counts[1] > 0 or some_larger) and (counts[2] > 0) == some_larger, f"faces: {counts}")
+            for form in formats:
                 path = folder / f"mesh.{form}"
                 run(*arguments, "--to", form, "-o", path)
-                print(form, flush=True)
                 # Gmsh knows formats by extensions.
                 if form == "msh22":
                     path = path.rename(folder / "mesh22.msh")
-                try: globals()[f"check_{form}"](path, mesh)
-                except Exception as e: import traceback; traceback.print_exc(limit=-3)
+                check = globals()[f"check_{form}"]
+                check(path, mesh)
+                expect_refusal(check, path, mesh)
                 if form == "msh22":
                     path.rename(folder / "mesh.msh22")
-            print(f"{source}: {len(mesh.points)} points, {len(mesh.of(4))} quads and {len(mesh.of(3))} triangles read back in {len(FORMATS)} formats")
+            print("{}: {} quads, {} triangles, {} larger faces read back in {} formats".format(source, *counts, len(formats)))
         check_exactness(folder, mesh)
         check_streams(folder)
         check_calculix(folder)

@@ -98,6 +98,6 @@ mod tests {
         assert_eq!(length("Entities"), 4 * 8 + 2 * (4 + 6 * 8 + 8 + 4 + 8));
         assert_eq!(length("Nodes"), 4 * 8 + 3 * 4 + 8 + 6 * (8 + 24));
         assert_eq!(length("Elements"), 4 * 8 + 3 * (3 * 4 + 8) + 8 * (5 + 4 + 4));
-        assert!(bytes.windows(40).any(|some| some.starts_with(b"$PhysicalNames\n2\n2 1 \"wing tip\"\n2 2 \"rest\"\n")));
+        assert!(at("$PhysicalNames\n2\n2 1 \"wing tip\"\n2 2 \"rest\"\n$EndPhysicalNames\n") > 0);
     }
 }

@@ -78,7 +78,7 @@ pub(super) fn within(width: usize, x: f64) -> String {
     if shortest.len() <= width {
         return shortest;
     }
-    let whole = format!("{:.0}", x.trunc()).len() + usize::from(x < 0.0 && x > -1.0);
+    let whole = format!("{:.0}", x.trunc()).len();
     let fixed = (whole + 2 <= width).then(|| format!("{x:.*}", width - whole - 1));
     let scientific = (1..17).rev().map(|digits| format!("{x:.digits$E}")).find(|text| text.len() <= width);
     let error = |text: &String| text.parse::<f64>().map_or(f64::INFINITY, |y| (y - x).abs());

@@ -41,7 +41,8 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
         writeln!(writer, "{}", format!("solid {}", group.name).trim_end())?;
         write_lines(writer, 0..triangles.len(), |text, triangle| {
             let corners = triangles[triangle].map(|v| mesh.points[v as usize]);
-            let [x, y, z] = normal(corners).map(|x| x as f32);
+            // No negative zero.
+            let [x, y, z] = normal(corners).map(|x| x as f32 + 0.0);
             push(text, format_args!("facet normal {x:?} {y:?} {z:?}\nouter loop\n"));
             for corner in &corners {
                 text.push_str("vertex");
