@@ -1,9 +1,9 @@
 //! The arguments that say where a mesh goes, and in which format.
 
-use super::output::{Output, to_stdout};
+use super::output::Output;
 use clap::{Args, CommandFactory, error::ErrorKind};
 use quadmosaic::export::{Format, MeshFile, WriteError, write_mesh, write_mesh_to};
-use std::io;
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 #[derive(Args)]
@@ -48,16 +48,13 @@ impl MeshOutput {
         match &self.output {
             Output::File(path) => Ok(write_mesh(path, format, mesh)?),
             Output::Standard => {
-                let mut refusal = None;
-                to_stdout(|writer| match write_mesh_to(writer, format, mesh) {
-                    Err(WriteError::Stream(error)) => Err(error),
-                    Err(error) => {
-                        refusal = Some(error);
-                        Err(io::ErrorKind::BrokenPipe.into())
-                    }
-                    Ok(()) => Ok(()),
-                })?;
-                refusal.map_or(Ok(()), |error| Err(error.into()))
+                let mut writer = BufWriter::new(io::stdout().lock());
+                let written = write_mesh_to(&mut writer, format, mesh);
+                match written.and_then(|()| writer.flush().map_err(WriteError::Stream)) {
+                    // As with what is printed.
+                    Err(WriteError::Stream(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+                    written => Ok(written?),
+                }
             }
         }
     }

@@ -144,7 +144,7 @@ pub fn print_beside<'a>(results: impl IntoIterator<Item = &'a Output>, text: &st
 }
 
 /// Writes to stdout as [`print`] does.
-pub fn to_stdout(content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
+fn to_stdout(content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
     let mut writer = BufWriter::new(io::stdout().lock());
     match content(&mut writer).and_then(|()| writer.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error).context("stdout cannot be written"),

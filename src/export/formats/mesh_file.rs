@@ -55,6 +55,9 @@ pub(super) struct Array<'a> {
 
 impl MeshFile {
     /// A finished mesh, what is known of its vertices, and the triangles that the surface was made of.
+    ///
+    /// # Panics
+    /// Where a vertex names a triangle that the soup does not have.
     pub fn new(mesh: &Mesh, vertices: &[VertexAttributes], soup: &Soup) -> Self {
         let corners = |triangle: u32| soup.triangles[triangle as usize].map(|v| DVec3::from(soup.points[v as usize]));
         let weights =

@@ -78,12 +78,20 @@ pub(super) fn within(width: usize, x: f64) -> String {
     if shortest.len() <= width {
         return shortest;
     }
+    // The digits behind the point that there is room for, in either notation, and the power of ten of the last one.
     let whole = format!("{:.0}", x.trunc()).len();
-    let fixed = (whole + 2 <= width).then(|| format!("{x:.*}", width - whole - 1));
-    let scientific = (1..17).rev().map(|digits| format!("{x:.digits$E}")).find(|text| text.len() <= width);
-    let error = |text: &String| text.parse::<f64>().map_or(f64::INFINITY, |y| (y - x).abs());
-    let candidates = fixed.into_iter().chain(scientific).filter(|text| text.len() <= width);
-    candidates.min_by(|a, b| error(a).total_cmp(&error(b))).unwrap_or(shortest)
+    let power = x.abs().log10().floor() as i32;
+    let fixed = width.checked_sub(whole + 1).filter(|&digits| digits > 0).map(|digits| (-(digits as i32), digits));
+    let besides = usize::from(x < 0.0) + "0.".len() + format!("E{power}").len();
+    let scientific = width - besides;
+    match fixed {
+        Some((last, digits)) if last <= power - scientific as i32 => format!("{x:.digits$}"),
+        _ => {
+            // Rounding up may lengthen the exponent.
+            let text = format!("{x:.scientific$E}");
+            if text.len() <= width { text } else { format!("{x:.*E}", scientific - 1) }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -23,13 +23,14 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     let regions = &mesh.regions.of_face;
     writeln!(writer, "{}end_header", if regions.is_empty() { "" } else { "property int region\n" })?;
     write_bytes(writer, mesh.points.as_flattened().iter().map(|x| x.to_le_bytes()))?;
+    let mut records = Vec::new();
     for (number, face) in mesh.faces().enumerate() {
         let count = (face.len() as u32).to_le_bytes();
-        writer.write_all(if is_large { &count } else { &count[..1] })?;
-        face.iter().try_for_each(|vertex| writer.write_all(&vertex.to_le_bytes()))?;
-        regions.get(number).map_or(Ok(()), |region| writer.write_all(&region.to_le_bytes()))?;
+        records.extend(if is_large { &count } else { &count[..1] });
+        face.iter().for_each(|vertex| records.extend(vertex.to_le_bytes()));
+        records.extend(regions.get(number).into_iter().flat_map(|region| region.to_le_bytes()));
     }
-    Ok(())
+    writer.write_all(&records)
 }
 
 #[cfg(test)]
