@@ -1,8 +1,8 @@
 //! The input: triangles read or generated, welded, oriented, with adjacency and features.
 //!
 //! # Practice
-//! Coordinates are read as f64, recentred, divided by the diagonal of their bounding box, and stored as f32; [`Frame`] reverts the
-//! transform in f64 for writing. So a surface far from the origin, or very small or large, is meshed as its recentred,
+//! Coordinates are read as f64, recentred, divided by the diagonal of their bounding box, and computed with as f32; [`Frame`] reverts
+//! the transform. For writing, the input's own coordinates stay beside them ([`Surface::model_point`]). So a surface far from the origin, or very small or large, is meshed as its recentred,
 //! unit-sized copy is.
 
 mod adjacency;

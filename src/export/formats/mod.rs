@@ -10,7 +10,8 @@
 //!
 //! # Changes versus crates
 //! `vtkio` 0.6.3 (2021) holds a copy of each array and is followed by release candidates alone; `gltf-json` 1.4 takes more lines
-//! than the JSON itself. No crate writes the other formats with f64, names and quads. So each format is written here.
+//! than the JSON itself. No crate writes the other formats with f64, names and quads. So each format is written here. There is no CGNS,
+//! as no crate has it.
 
 mod bdf;
 mod format;
