@@ -24,7 +24,7 @@ use crate::mesh::finish::{Finished, finish, joined};
 use crate::mesh::relocate::relocate;
 use crate::mesh::snap::snap;
 use crate::mesh::triangulate::triangulate;
-use crate::mesh::{Context, Mesh, SurfaceMesh, Triangulation};
+use crate::mesh::{Context, Mesh, SurfaceMesh, Triangulation, VertexAttributes};
 use crate::mosaic::{self, Effort, Mosaic, MosaicBuilder};
 use crate::parametrize::Rows;
 use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
@@ -186,6 +186,8 @@ pub struct Meshed {
     pub edits: Option<EditCounts>,
     /// The mesh, in model units.
     pub mesh: Mesh,
+    /// What is known of each vertex of the mesh.
+    pub vertices: Vec<VertexAttributes>,
     /// Whether sheets of the surface meet at each of its vertices.
     pub branches: Vec<bool>,
     /// The broken invariants of the mesh, with places in model units.
@@ -282,8 +284,9 @@ fn meshed(
     }
 
     clock.begin(Stage::Finish);
-    let Finished { mesh, branches, faults, differences } = finish(&context, &mesh, &opposed, mosaic, triangulation);
-    Meshed { before, holes, edits, mesh, branches, faults, differences }
+    let Finished { mesh, vertices, branches, faults, differences } =
+        finish(&context, &mesh, &opposed, mosaic, triangulation);
+    Meshed { before, holes, edits, mesh, vertices, branches, faults, differences }
 }
 
 /// Where a larger share of the faces than one in so many is nearer to an opposite sheet, the surface is thinner than its tiles

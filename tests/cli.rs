@@ -446,9 +446,13 @@ fn a_mesh_that_cannot_be_kept_is_not_begun() {
     assert!(said.contains("none/out.json cannot be written"), "{said}");
     let said = desk.refusal(1, &["mesh", large, "-o", "out.obj", "--report", "./out.obj"]);
     assert!(said.contains("./out.obj cannot be written: it is the same file as out.obj"), "{said}");
-    for dash in [&["mesh", large, "-o", "-"][..], &["mesh", large, "-o", "out.obj", "--report", "-"]] {
+    for (dash, message) in [
+        (&["mesh", large, "-o", "-"][..], "name the format of standard output: --to obj|ply"),
+        (&["mesh", large, "-o", "-", "--to", "obj", "--report", "-"], "cannot both go to standard output"),
+        (&["mosaic", large, "-o", "-"], "this result goes to a file"),
+    ] {
         let said = desk.refusal(2, dash);
-        assert!(said.contains("not to standard output"), "{said}");
+        assert!(said.contains(message), "{said}");
     }
     let said = desk.refusal(1, &["example", "m6", "-o", "none/out.obj"]);
     assert!(said.contains("none/out.obj cannot be written"), "{said}");
@@ -492,13 +496,36 @@ fn wrong_usage_is_told_from_failure() {
     for (arguments, message) in [
         (&["mesh", "example:cow", "-o", "out.obj"][..], "there is no example surface \"cow\""),
         (&["mesh", "example:m6:many", "-o", "out.obj"], "ask for 1 to 20000000 triangles"),
-        (&["mesh", "example:m6", "-o", "out.stl"], "it does not end in .obj"),
-        (&["mesh", "example:m6", "-o", "obj"], "it does not end in .obj"),
+        (
+            &["mesh", "example:m6", "-o", "out.stp"],
+            "out.stp: \"stp\" is no format of meshes; the formats are obj, ply, stl",
+        ),
+        (&["mesh", "example:m6", "-o", "obj"], "obj: there is no extension; the formats are obj"),
+        (&["mesh", "example:m6", "-o", "out.msh", "--holes", "leave"], "msh has no faces of more than four corners"),
+        (&["mesh", "example:m6", "-o", "out.obj", "--to", "cgns"], "\"cgns\" is no format of meshes"),
         (&["example", "torus", "--blunt", "-o", "out.obj"], "go with the example m6 only"),
     ] {
         let said = desk.refusal(2, arguments);
         assert!(said.contains(message), "{arguments:?}: {said}");
     }
+}
+
+#[test]
+fn results_go_to_standard_output_and_the_summary_beside_it() {
+    let desk = Desk::new();
+    let mesh = ["mesh", "example:block", "--points", "300", "-o"];
+    let summary = desk.said(&[&mesh[..], &["out.vtu"]].concat());
+    let output = desk.run(&[&mesh[..], &["-", "--to", "vtu"]].concat());
+    assert_eq!(output.stdout, desk.bytes("out.vtu"));
+    let without_times = |text: &str| text.lines().next().map(str::to_owned);
+    assert_eq!(without_times(&text(&output.stderr)), without_times(&summary));
+    let output = desk.run(&[&mesh[..], &["out.obj", "--report", "-"]].concat());
+    let report: Value = serde_json::from_slice(&output.stdout).expect("it is JSON");
+    assert_eq!(report["mesh"]["vertices"], read_mesh(&desk.path("out.obj")).expect("a mesh").points.len());
+    assert_eq!(without_times(&text(&output.stderr)), without_times(&summary));
+    let output = desk.run(&["example", "torus", "--triangles", "600", "-o", "-", "--to", "obj"]);
+    desk.said(&["example", "torus", "--triangles", "600", "-o", "torus.obj"]);
+    assert_eq!(output.stdout, desk.bytes("torus.obj"));
 }
 
 #[test]

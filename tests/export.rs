@@ -1,13 +1,15 @@
-//! The files of fields, read back as ParaView reads them.
+//! The files of fields, read back as ParaView reads them; meshes whose points are those of the input.
 
 mod common;
 
 use common::surfaces::{example, surface};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
-use quadmosaic::export::{write_field_ply, write_field_vtk};
+use quadmosaic::export::{Format, MeshFile, ordered, write_field_ply, write_field_vtk, write_mesh};
 use quadmosaic::field::{Field, FieldOptions, SingularityLocation};
-use quadmosaic::surface::Surface;
+use quadmosaic::mesh::{Mesh, VertexKind, read_mesh};
+use quadmosaic::pipeline::{Fineness, Meshed, Options, run};
+use quadmosaic::surface::{Soup, Surface};
 use std::collections::HashMap;
 
 fn field(surface: &Surface) -> Field {
@@ -201,4 +203,77 @@ fn a_ply_file_is_as_long_as_its_header_says() {
         corners += numbers[9];
     }
     assert_eq!(corners, 2.0, "eight corners of a quarter");
+}
+
+/// A box, off the origin and turned by an angle about z, with its eight corners.
+fn turned_box(angle: f64) -> Soup {
+    let corner = |k: u32| {
+        let [x, y, z] = [0, 1, 2].map(|axis| f64::from(k >> axis & 1));
+        let [x, y, z] = [17.3 + 1.2 * x, -4.1 + 0.7 * y, 0.1 + z / 3.0];
+        [x * angle.cos() - y * angle.sin(), x * angle.sin() + y * angle.cos(), z]
+    };
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Soup { points: (0..8).map(corner).collect(), triangles, ..Soup::default() }
+}
+
+fn meshed(soup: &Soup, points: usize) -> Meshed {
+    let options = Options::new(Fineness::Points(points));
+    run(soup, &options, &Cpu, &|_, _| ()).unwrap_or_else(|error| panic!("{error}")).meshed
+}
+
+/// The distance of a point from the nearest of the planes of a soup's triangles.
+fn off_planes(soup: &Soup, point: [f64; 3]) -> f64 {
+    let planes = soup.triangles.iter().map(|triangle| triangle.map(|v| DVec3::from(soup.points[v as usize])));
+    let off = planes.map(|[a, b, c]| (b - a).cross(c - a).normalize().dot(DVec3::from(point) - a).abs());
+    off.fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn corners_keep_their_bits_and_vertices_lie_on_the_planes_of_the_input() {
+    for angle in [0.0, 0.3, 2.0] {
+        let soup = turned_box(angle);
+        let Meshed { mesh, vertices, .. } = meshed(&soup, 800);
+        let corners: Vec<[f64; 3]> =
+            mesh.points.iter().zip(&vertices).filter(|(_, v)| v.kind == VertexKind::Corner).map(|(p, _)| *p).collect();
+        assert_eq!(corners.len(), 8);
+        for corner in &soup.points {
+            assert!(corners.iter().any(|found| found.map(f64::to_bits) == corner.map(f64::to_bits)), "{corner:?}");
+        }
+        let diagonal = 1.43;
+        let farthest = mesh.points.iter().map(|&point| off_planes(&soup, point)).fold(0.0, f64::max);
+        assert!(farthest <= 1e-12 * diagonal, "{farthest} off the planes");
+        // In f32 they would not.
+        let rough = mesh.points.iter().map(|point| off_planes(&soup, point.map(|x| f64::from(x as f32))));
+        assert!(rough.fold(0.0, f64::max) > 1e-9);
+        let surface = surface(&soup);
+        let lossy = (0..8).filter(|&v| surface.frame().to_model(surface.point(v)) != surface.model_point(v));
+        assert!(lossy.count() > 0, "the coordinates that are computed with are not the input's");
+    }
+}
+
+#[test]
+fn a_rim_on_a_plane_stays_on_it_exactly() {
+    let soup = example("m6", 6_000);
+    let Meshed { mesh, vertices, .. } = meshed(&soup, 1_500);
+    let root: Vec<f64> = mesh.points.iter().map(|p| p[1]).filter(|y| y.abs() < 1e-6).collect();
+    assert!(root.len() > 20 && root.iter().all(|&y| y == 0.0), "{root:?}");
+    let on_boundary = vertices.iter().filter(|v| v.kind == VertexKind::Boundary).count();
+    assert!((20..=root.len()).contains(&on_boundary), "{on_boundary} of {}", root.len());
+}
+
+#[test]
+fn the_file_has_the_mesh() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let soup = turned_box(0.3);
+    let Meshed { mesh, vertices, .. } = meshed(&soup, 300);
+    let file = MeshFile::new(&mesh, &vertices, &soup);
+    for format in [Format::Obj, Format::Ply] {
+        let path = folder.path().join(format.name());
+        write_mesh(&path, format, &file).expect("it can be written");
+        let Mesh { points, .. } = &mesh;
+        let read = read_mesh(&path).expect("it is a mesh");
+        assert_eq!(&read.points, points, "{format}");
+        assert!(read.faces().eq(ordered(&mesh).faces()), "{format}");
+    }
 }

@@ -55,6 +55,15 @@ if cargo clippy --version >/dev/null 2>&1; then
 fi
 check "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --quiet
 
+# Programs that are not ours read the formats.
+echo "== formats"
+bash tests/formats.sh
+case $? in
+    0) passed=$((passed + 1)) ;;
+    77) skip "formats" "the programs that read them cannot be installed" ;;
+    *) failed=$((failed + 1)); echo "FAILED formats" ;;
+esac
+
 # One profile, so that the dependencies are built once. A test that skips itself says so in a line of its own, and
 # cargo counts it as passed: it is taken off there.
 echo "== cargo test"

@@ -2,7 +2,7 @@
 
 use super::features::FeatureArguments;
 use super::input::Input;
-use super::output::{expect_writable, file_path, print, write_json};
+use super::output::{Output, expect_writable, print_beside, write_json};
 use super::summary;
 use anyhow::{Context, bail};
 use clap::Args;
@@ -29,9 +29,9 @@ pub struct Arguments {
     against: Option<Input>,
     #[command(flatten)]
     features: FeatureArguments,
-    /// Write the printed figures, and every fault, as JSON
-    #[arg(long, value_name = "FILE.json", value_parser = file_path)]
-    report: Option<PathBuf>,
+    /// Write the printed figures, and every fault, as JSON; -: to standard output
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<Output>,
 }
 
 const EXAMPLES: &str = "\
@@ -46,10 +46,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let surface = arguments.against.as_ref().map(|input| arguments.surface(input)).transpose()?;
     let against = surface.as_ref().map(|(name, surface)| (name.as_str(), surface));
     let report = CheckReport::new(&name, &mesh, against);
-    if let Some(path) = &arguments.report {
-        write_json(path, &report)?;
+    if let Some(output) = &arguments.report {
+        write_json(output, &report)?;
     }
-    print(&summary::of_check(&report))?;
+    print_beside(&arguments.report, &summary::of_check(&report))?;
     match summary::faults_of(&report) {
         None => Ok(()),
         Some(faults) => bail!("{name}: {faults}"),
@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 impl Arguments {
     fn expect_writable(&self) -> anyhow::Result<()> {
-        let Some(report) = &self.report else { return Ok(()) };
+        let Some(report) = self.report.as_ref().and_then(Output::path) else { return Ok(()) };
         let mut taken: Vec<&Path> = vec![&self.mesh];
         if let Some(Input::File(path)) = &self.against {
             taken.push(path);

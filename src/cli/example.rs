@@ -1,11 +1,12 @@
 //! `quadmosaic example`.
 
 use super::input;
-use super::output::{expect_writable, obj_path, print};
+use super::mesh_output::MeshOutput;
+use super::output::{expect_writable, print_beside};
 use clap::{Args, CommandFactory, error::ErrorKind};
-use quadmosaic::export::write_soup;
+use quadmosaic::export::MeshFile;
+use quadmosaic::mesh::Mesh;
 use quadmosaic::surface::examples::{Example, M6Options};
-use std::path::PathBuf;
 
 /// Writes an example surface as triangles
 ///
@@ -28,9 +29,8 @@ pub struct Arguments {
     /// m6 only: both halves, closed (default: one half, open at the root)
     #[arg(long)]
     whole_span: bool,
-    /// The file of the triangles
-    #[arg(short, long, value_name = "FILE.obj", value_parser = obj_path)]
-    output: PathBuf,
+    #[command(flatten)]
+    output: MeshOutput,
 }
 
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
@@ -44,8 +44,10 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
             return Err(super::Arguments::command().error(ErrorKind::ArgumentConflict, message).into());
         }
     };
-    expect_writable(&output, &[])?;
-    let soup = example.generate(triangles);
-    write_soup(&output, &soup)?;
-    print(&format!("{}: {} triangles, {} vertices\n", output.display(), soup.triangles.len(), soup.points.len()))
+    output.format()?;
+    output.path().map_or(Ok(()), |path| expect_writable(path, &[]))?;
+    let mesh = Mesh::from(example.generate(triangles));
+    output.write(&MeshFile::from(&mesh))?;
+    let text = format!("{}: {} triangles, {} vertices\n", output.output, mesh.face_count(), mesh.points.len());
+    print_beside([&output.output], &text)
 }

@@ -4,7 +4,7 @@ use super::backend::{Device, Machine};
 use super::field_arguments::{FieldArguments, warn_of};
 use super::fineness::FinenessArguments;
 use super::input::Source;
-use super::output::{expect_writable, field_path, file_path, print, write_json};
+use super::output::{Output, expect_writable, field_path, print_beside, write_json};
 use super::summary;
 use anyhow::Context;
 use clap::Args;
@@ -35,9 +35,9 @@ pub struct Arguments {
     directions: FieldArguments,
     #[command(flatten)]
     machine: Machine,
-    /// Write the printed figures, and more, as JSON
-    #[arg(long, value_name = "FILE.json", value_parser = file_path)]
-    report: Option<PathBuf>,
+    /// Write the printed figures, and more, as JSON; -: to standard output
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<Output>,
     /// Print warnings and errors only
     #[arg(short, long)]
     quiet: bool,
@@ -53,7 +53,8 @@ In ParaView: a Glyph of cross_u and one of cross_v (Glyph Mode: Every Nth Point,
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Arguments { source, output, fineness, directions, machine, report: report_path, quiet } = arguments;
     let mut taken: Vec<&Path> = source.path().into_iter().collect();
-    for path in [output].into_iter().chain(report_path) {
+    let report_file = report_path.as_ref().and_then(Output::path);
+    for path in [output.as_path()].into_iter().chain(report_file) {
         expect_writable(path, &taken)?;
         taken.push(path);
     }
@@ -76,11 +77,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         _ => write_field_vtk(output, &surface, &field)?,
     }
     let report = FieldReport::new(&name, &*backend, &surface, &field);
-    if let Some(path) = report_path {
-        write_json(path, &report)?;
+    if let Some(output) = report_path {
+        write_json(output, &report)?;
     }
     if !quiet {
-        print(&summary::of_field(&report))?;
+        print_beside(report_path, &summary::of_field(&report))?;
     }
     warn_of(field.guides());
     Ok(())

@@ -5,14 +5,15 @@ use super::field_arguments::{FieldArguments, warn_of};
 use super::fineness::FinenessArguments;
 use super::input::Source;
 use super::layout::{LayoutArguments, warn_of_stretch};
+use super::mesh_output::MeshOutput;
 use super::numbers::{degrees, distance, up_to};
-use super::output::{expect_writable, file_path, obj_path, picture_path, print, write_json};
+use super::output::{Output, expect_writable, picture_path, print_beside, write_json};
 use super::picture;
 use super::summary;
 use anyhow::Context;
-use clap::{Args, ValueEnum};
+use clap::{Args, CommandFactory, ValueEnum, error::ErrorKind};
 use indicatif::{ProgressBar, ProgressStyle};
-use quadmosaic::export::write_obj;
+use quadmosaic::export::MeshFile;
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::connectivity::{self, ConnectivityOptions};
 use quadmosaic::mesh::fill;
@@ -32,9 +33,8 @@ use std::time::{Duration, Instant};
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// The file of the mesh; it is written whole or not at all
-    #[arg(short, long, value_name = "OUT.obj", value_parser = obj_path)]
-    output: PathBuf,
+    #[command(flatten)]
+    output: MeshOutput,
 
     #[command(flatten)]
     fineness: FinenessArguments,
@@ -79,9 +79,9 @@ pub struct Arguments {
     /// Draw the mesh, as `quadmosaic picture` does
     #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
     picture: Option<PathBuf>,
-    /// Write the printed figures, and more, as JSON
-    #[arg(long, value_name = "FILE.json", value_parser = file_path)]
-    report: Option<PathBuf>,
+    /// Write the printed figures, and more, as JSON; -: to standard output
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<Output>,
     /// Print warnings and errors only
     #[arg(short, long)]
     quiet: bool,
@@ -137,9 +137,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (report, measuring) = timed(|| Report::new(&name, &options, &*backend, &outcome));
     let wrong = summary::wrong(&report);
     if let (true, Some(wrong)) = (arguments.strict, &wrong) {
-        return Err(Unsound(format!("{} was not written: {wrong}", arguments.output.display())).into());
+        return Err(Unsound(format!("{} was not written: {wrong}", arguments.output.output)).into());
     }
-    let (written, writing) = timed(|| write_obj(&arguments.output, &outcome.meshed.mesh));
+    let meshed = &outcome.meshed;
+    let (written, writing) = timed(|| arguments.output.write(&MeshFile::new(&meshed.mesh, &meshed.vertices, &soup)));
     written?;
     let report = report.with_times(
         &[("read", reading), ("device", opening + compiling)],
@@ -152,13 +153,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         write_json(path, &report)?;
     }
     if !arguments.quiet {
-        print(&summary::of_run(&report))?;
+        print_beside([&arguments.output.output].into_iter().chain(&arguments.report), &summary::of_run(&report))?;
     }
     warn_of(outcome.field.guides());
     warn_of_stretch(report.field.stretch.as_ref());
     warn_of_repairs(&report.surface.repairs);
     if let Some(wrong) = wrong {
-        eprintln!("warning: {}: {wrong}", arguments.output.display());
+        eprintln!("warning: {}: {wrong}", arguments.output.output);
     }
     if let Some(warning) = count_warning(&report) {
         eprintln!("warning: {warning}");
@@ -205,8 +206,20 @@ fn count_warning(report: &Report) -> Option<String> {
 impl Arguments {
     /// Checks, before long work, that the results can be written.
     fn expect_writable(&self) -> anyhow::Result<()> {
+        let conflict = |message| super::Arguments::command().error(ErrorKind::ArgumentConflict, message).into();
+        let format = self.output.format()?;
+        if matches!(self.holes, Holes::Leave) && !format.takes_polygons() {
+            return Err(conflict(format!(
+                "{format} has no faces of more than four corners; --holes leave does not go with it"
+            )));
+        }
+        if (&self.output.output, self.report.as_ref()) == (&Output::Standard, Some(&Output::Standard)) {
+            let message = "the mesh and the report cannot both go to standard output; name a file for one of them";
+            return Err(conflict(message.to_owned()));
+        }
         let mut taken: Vec<&Path> = self.source.path().into_iter().collect();
-        for path in [&self.output].into_iter().chain(&self.picture).chain(&self.report) {
+        let report = self.report.as_ref().and_then(Output::path);
+        for path in self.output.path().into_iter().chain(self.picture.as_deref()).chain(report) {
             expect_writable(path, &taken)?;
             taken.push(path);
         }

@@ -11,6 +11,7 @@ mod fineness;
 mod input;
 mod layout;
 mod mesh;
+mod mesh_output;
 mod mosaic;
 mod numbers;
 mod output;

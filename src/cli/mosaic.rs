@@ -5,11 +5,11 @@ use super::field_arguments::{FieldArguments, warn_of};
 use super::fineness::FinenessArguments;
 use super::input::Source;
 use super::layout::{LayoutArguments, warn_of_stretch};
-use super::output::{expect_writable, file_path, picture_path, print, tiles_path, write_json};
+use super::output::{Output, expect_writable, picture_path, print_beside, tiles_path, write_json};
 use super::{picture, summary};
 use anyhow::Context;
 use clap::Args;
-use quadmosaic::export::{Shade, tile_mesh, write_mesh_ply, write_obj};
+use quadmosaic::export::{Format, MeshFile, Shade, tile_mesh, write_mesh, write_mesh_ply};
 use quadmosaic::mosaic::quality::TileQuality;
 use quadmosaic::picture::{Colour, View, mosaic_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, prepare};
@@ -43,9 +43,9 @@ pub struct Arguments {
     /// Draw the tiles, as `quadmosaic picture --mosaic` does
     #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
     picture: Option<PathBuf>,
-    /// Write the printed figures, and more, as JSON
-    #[arg(long, value_name = "FILE.json", value_parser = file_path)]
-    report: Option<PathBuf>,
+    /// Write the printed figures, and more, as JSON; -: to standard output
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<Output>,
     /// Print warnings and errors only
     #[arg(short, long)]
     quiet: bool,
@@ -70,7 +70,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         quiet,
     } = arguments;
     let mut taken: Vec<&Path> = source.path().into_iter().collect();
-    for path in [output].into_iter().chain(picture_file).chain(report_file) {
+    let pictured = picture_file.as_deref();
+    for path in [output.as_path()].into_iter().chain(pictured).chain(report_file.as_ref().and_then(Output::path)) {
         expect_writable(path, &taken)?;
         taken.push(path);
     }
@@ -104,17 +105,17 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             };
             write_mesh_ply(output, &mesh, &tiles.iter().map(shade).collect::<Vec<_>>())?;
         }
-        _ => write_obj(output, &mesh)?,
+        _ => write_mesh(output, Format::Obj, &MeshFile::from(&mesh))?,
     }
     if let Some(path) = picture_file {
         write_picture(path, &mosaic_scene(&surface, &mosaic, *grout as f32, None), &View::default(), picture::SIZE)?;
     }
     let report = MosaicReport::new(&name, &options, &*backend, (&surface, &field, &mosaic), fit);
-    if let Some(path) = report_file {
-        write_json(path, &report)?;
+    if let Some(output) = report_file {
+        write_json(output, &report)?;
     }
     if !quiet {
-        print(&summary::of_mosaic(&report))?;
+        print_beside(report_file, &summary::of_mosaic(&report))?;
     }
     warn_of(field.guides());
     warn_of_stretch(report.field.stretch.as_ref());

@@ -3,13 +3,46 @@
 use anyhow::{Context, bail};
 use quadmosaic::export::atomic;
 use serde::Serialize;
+use std::convert::Infallible;
+use std::fmt;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
-/// A path that ends in `.obj`, the one format that is written.
-pub fn obj_path(text: &str) -> Result<PathBuf, String> {
-    ends_in(text, &["obj"], "it does not end in .obj; Wavefront OBJ is the one format that is written")
+/// Where a result goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Output {
+    File(PathBuf),
+    Standard,
+}
+
+impl Output {
+    /// The path, where it is a file.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            Self::Standard => None,
+        }
+    }
+}
+
+impl FromStr for Output {
+    type Err = Infallible;
+
+    /// `-`, or a path.
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(if text == "-" { Self::Standard } else { Self::File(text.into()) })
+    }
+}
+
+impl fmt::Display for Output {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path) => write!(f, "{}", path.display()),
+            Self::Standard => write!(f, "standard output"),
+        }
+    }
 }
 
 /// A path that ends in `.vtk` or `.ply`.
@@ -33,10 +66,10 @@ fn ends_in(text: &str, endings: &[&str], refusal: &str) -> Result<PathBuf, Strin
     if known { Ok(path) } else { Err(refusal.to_owned()) }
 }
 
-/// A path; `-` is refused, as it means standard output in other programs.
-pub fn file_path(text: &str) -> Result<PathBuf, String> {
+/// A path; `-` is refused.
+fn file_path(text: &str) -> Result<PathBuf, String> {
     match text {
-        "-" => Err("results go to files, not to standard output; name a file".to_owned()),
+        "-" => Err("this result goes to a file, not to standard output; name a file".to_owned()),
         _ => Ok(text.into()),
     }
 }
@@ -45,12 +78,15 @@ pub fn file_path(text: &str) -> Result<PathBuf, String> {
 ///
 /// # Errors
 /// Where the file cannot be written.
-pub fn write_json(path: &Path, figures: &impl Serialize) -> anyhow::Result<()> {
-    atomic(path, |writer| {
+pub fn write_json(output: &Output, figures: &impl Serialize) -> anyhow::Result<()> {
+    let content = |writer: &mut dyn Write| {
         serde_json::to_writer_pretty(&mut *writer, figures)?;
         writeln!(writer)
-    })?;
-    Ok(())
+    };
+    match output {
+        Output::File(path) => Ok(atomic(path, content)?),
+        Output::Standard => to_stdout(content),
+    }
 }
 
 /// Checks, before long work, that a file can be written at a path, and that it is none of the `taken` files.
@@ -92,7 +128,25 @@ fn absolute(path: &Path) -> io::Result<PathBuf> {
 /// # Errors
 /// Where stdout cannot be written for another reason.
 pub fn print(text: &str) -> anyhow::Result<()> {
-    match io::stdout().write_all(text.as_bytes()) {
+    to_stdout(|writer| writer.write_all(text.as_bytes()))
+}
+
+/// Prints to stdout, or to stderr where one of the results goes to stdout.
+///
+/// # Errors
+/// As [`print`].
+pub fn print_beside<'a>(results: impl IntoIterator<Item = &'a Output>, text: &str) -> anyhow::Result<()> {
+    if results.into_iter().any(|result| *result == Output::Standard) {
+        eprint!("{text}");
+        return Ok(());
+    }
+    print(text)
+}
+
+/// Writes to stdout as [`print`] does.
+fn to_stdout(content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
+    let mut writer = BufWriter::new(io::stdout().lock());
+    match content(&mut writer).and_then(|()| writer.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error).context("stdout cannot be written"),
         _ => Ok(()),
     }

@@ -1,21 +1,21 @@
 //! Writes meshes, fields and tiles to files, each format in its own module. A file appears complete or not at all.
 
-mod mesh_ply;
-mod obj;
-mod ply;
+mod field_ply;
+mod field_vtk;
+mod formats;
+mod shaded_ply;
 mod tiles;
-mod vtk;
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-pub use mesh_ply::{Shade, write_mesh_ply};
-pub use obj::{write_obj, write_soup};
-pub use ply::write_field_ply;
+pub use field_ply::write_field_ply;
+pub use field_vtk::write_field_vtk;
+pub use formats::{Format, MeshFile, UnknownFormat, ordered, write_mesh, write_mesh_to};
+pub use shaded_ply::{Shade, write_mesh_ply};
 pub use tiles::tile_mesh;
-pub use vtk::write_field_vtk;
 
 /// Why a file was not written. What was there before is unchanged.
 #[derive(Debug, thiserror::Error)]
@@ -41,6 +41,25 @@ pub enum WriteError {
         /// What the operating system said.
         source: io::Error,
     },
+    /// A stream took no more bytes.
+    #[error("the mesh cannot be written to the stream: {0}")]
+    Stream(#[source] io::Error),
+    /// The format has only triangles and quads.
+    #[error(
+        "{format} has no faces of more than four corners, and the mesh has {count}; fill them (--holes patterns), or write {}",
+        with_polygons()
+    )]
+    Polygons {
+        /// The format.
+        format: Format,
+        /// The number of such faces.
+        count: usize,
+    },
+}
+
+/// The formats that take faces of any size.
+fn with_polygons() -> String {
+    Format::all().filter(|format| format.takes_polygons()).map(Format::name).collect::<Vec<_>>().join(", ")
 }
 
 /// Writes a file by `content`, under another name in the same folder until it is complete. A link is followed; a device

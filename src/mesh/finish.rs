@@ -4,6 +4,7 @@
 //! Read [`Finished::faults`] and [`Finished::differences`] before the mesh is used: a mesh on parts thinner than a tile can have
 //! both, and more points resolve these parts.
 
+use super::attributes::{VertexAttributes, attributes};
 use super::check::{Fault, Faults, Kind, check_joined, sort};
 use super::compare::{Difference, differences_from, uncovered};
 use super::join::{Joined, join};
@@ -19,6 +20,8 @@ use rustc_hash::FxHashSet;
 pub struct Finished {
     /// The mesh, in model units.
     pub mesh: Mesh,
+    /// What is known of each of its vertices.
+    pub vertices: Vec<VertexAttributes>,
     /// Whether sheets of the surface meet at each of its vertices.
     pub branches: Vec<bool>,
     /// Its broken invariants, inverted faces among them, with places in model units.
@@ -38,8 +41,8 @@ pub(crate) fn finish(
 ) -> Finished {
     let surface = context.surface;
     let (named, order) = with_regions(context, mesh, mosaic);
-    let Joined { mesh: joined, mut branches, number } =
-        join(&named, &triangulation.joints(mesh.vertices().iter().map(|vertex| vertex.origin)));
+    let first = triangulation.joints(mesh.vertices().iter().map(|vertex| vertex.origin));
+    let Joined { mesh: mut joined, mut branches, number } = join(&named, &first);
     let ends = context.ends_of_shared_curves();
     for (v, vertex) in mesh.vertices().iter().enumerate() {
         if let Some(FeaturePoint::Vertex(end)) =
@@ -52,7 +55,9 @@ pub(crate) fn finish(
     let opposed: FxHashSet<u32> = opposed.iter().copied().collect();
     let inverted = (0..).zip(&order).filter(|(_, face)| opposed.contains(face)).map(|(face, _)| face);
     let uncovered = uncovered(&joined, surface);
-    let joined = joined.placed(surface.frame());
+    let all = (0..).zip(attributes(context, mesh, mosaic)).filter(|&(v, _)| first[v] as usize == v);
+    let (points, vertices) = all.map(|(_, known)| known).unzip();
+    joined.points = points;
     let mut faults = check_joined(&joined, &branches);
     let differences = differences_from(faults.topology(), surface).into_iter().chain(uncovered).collect();
     faults.list.extend(inverted.map(|face| Fault {
@@ -60,7 +65,7 @@ pub(crate) fn finish(
         at: joined.middle(joined.face(face as usize)).to_array(),
     }));
     sort(&mut faults.list);
-    Finished { mesh: joined, branches, faults, differences }
+    Finished { mesh: joined, vertices, branches, faults, differences }
 }
 
 /// A mesh each of whose vertices has a face, with its sheets joined, in model units, without regions.

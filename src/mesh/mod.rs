@@ -5,6 +5,7 @@
 //! enclose are [filled](fill). Then the [connectivity] is optimised and the vertices are [relocated](relocate). The
 //! [finished](finish) mesh is compared with the surface.
 
+mod attributes;
 pub mod check;
 pub mod compare;
 pub mod connect;
@@ -29,6 +30,7 @@ mod topology;
 pub mod triangulate;
 mod vertex;
 
+pub use attributes::{VertexAttributes, VertexKind};
 pub use metric::Metric;
 pub use objective::Context;
 pub use read::{read_mesh, read_mesh_as};

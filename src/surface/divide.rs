@@ -5,6 +5,7 @@
 //! wait until the outer ones are short, and are flipped between the parts, which gives strips of two (docs/experiments.md,
 //! surface).
 
+use super::given::Given;
 use super::split::{EdgePoint, Split};
 use super::{DroppedEdge, FeatureOptions, Features, Surface};
 use rustc_hash::FxHashMap;
@@ -86,6 +87,7 @@ impl Surface {
         let mut marked = vec![false; 3 * split.triangles.len()];
         let features = (0..split.parts.len() as u32).filter(|&h| self.features.is_feature(h));
         features.flat_map(|h| parts(&h)).chain(split.on_lines.iter().copied()).for_each(|h| marked[h as usize] = true);
+        self.given = Given::split(self, &split);
         self.named = self.named.iter().flat_map(parts).collect();
         let dropped = |&edge: &DroppedEdge| {
             let [first, second] = parts(&edge.half_edge);

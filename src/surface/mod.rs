@@ -1,8 +1,8 @@
 //! The input: triangles read or generated, welded, oriented, with adjacency and features.
 //!
 //! # Practice
-//! Coordinates are read as f64, recentred, divided by the diagonal of their bounding box, and stored as f32; [`Frame`] reverts the
-//! transform in f64 for writing. So a surface far from the origin, or very small or large, is meshed as its recentred,
+//! Coordinates are read as f64, recentred, divided by the diagonal of their bounding box, and computed with as f32; [`Frame`] reverts
+//! the transform. For writing, the input's own coordinates stay beside them ([`Surface::model_point`]). So a surface far from the origin, or very small or large, is meshed as its recentred,
 //! unit-sized copy is.
 
 mod adjacency;
@@ -18,11 +18,12 @@ mod edge_file;
 pub mod examples;
 mod features;
 pub(crate) mod girth;
+mod given;
 pub mod load;
 mod named_edges;
 pub(crate) mod nearest;
 mod persistence;
-mod polygon;
+pub(crate) mod polygon;
 pub(crate) mod records;
 mod regions;
 mod repairs;
@@ -44,6 +45,7 @@ pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, 
 
 use crate::geometry::{cross, dot, unit};
 use adjacency::Adjacency;
+use given::Given;
 use glam::{DVec3, Vec3};
 use thiserror::Error;
 use weld::Welded;
@@ -184,6 +186,7 @@ pub struct Surface {
     /// The edges of the creases that are no features.
     dropped: Vec<DroppedEdge>,
     denoised: Option<Denoised>,
+    given: Given,
     undivided: Undivided,
     frame: Frame,
     repairs: Repairs,
@@ -198,6 +201,8 @@ impl Surface {
         let Welded { frame, mut points, mut triangles, sources, mut repairs } = weld::weld(soup)?;
         let Adjacency { mut twins, seams, same_place } =
             adjacency::orient(&mut points, &mut triangles, &frame, &mut repairs)?;
+        let regions = soup.regions.of(&sources);
+        let given = Given::new(soup, sources, &triangles, &points, &frame);
         caps::flip(&points, &mut triangles, &mut twins, &seams, &frame, &mut repairs);
         let features = Features::default();
         let mut surface = Self {
@@ -206,10 +211,11 @@ impl Surface {
             twins,
             named: seams,
             same_place,
-            regions: soup.regions.of(&sources),
+            regions,
             features,
             dropped: Vec::new(),
             denoised: None,
+            given,
             undivided: Undivided::default(),
             frame,
             repairs,
@@ -243,16 +249,17 @@ impl Surface {
     /// dropped, turns that a curve takes back within a tile are no corners, and ridges become edges.
     pub fn fitted(mut self, options: &FeatureOptions, h: f32) -> Self {
         self.drop_creases(options, f64::from(h));
-        let given = self.points.clone();
+        let before = self.points.clone();
         for _ in 0..denoise::MOST_ROUNDS {
             if options.every_crease || !denoise::is_noisy(&self, &self.dropped, f64::from(h)) {
                 break;
             }
             self.points = denoise::smoothed(&self, f64::from(h));
-            self.denoised = Some(Denoised::of(&given, &self));
+            self.denoised = Some(Denoised::of(&before, &self));
             self.features = Features::find(&self, options);
             self.drop_creases(options, f64::from(h));
         }
+        self.given.follow(&before, &self.points, &self.frame);
         self.features.apexes = apexes::apexes(&self, f64::from(h));
         self.features = Features::along(&self, self.features.marked(), options.corner, f64::from(h));
         if options.ridge < 180.0 {

@@ -32,6 +32,8 @@ pub(super) struct Split {
     pub points: Vec<Vec3>,
     pub triangles: Vec<[u32; 3]>,
     pub twins: Vec<u32>,
+    /// The half-edge of each added point, and its share of the way along it.
+    pub cuts: Vec<(u32, f64)>,
     /// The triangle that each one is a part of.
     pub sources: Vec<u32>,
     /// The two parts of each former half-edge, the first twice where it is whole.
@@ -47,6 +49,7 @@ impl Split {
             points: surface.points.clone(),
             triangles: Vec::with_capacity(surface.triangle_count()),
             twins: Vec::new(),
+            cuts: Vec::new(),
             sources: Vec::new(),
             parts: vec![[NONE; 2]; 3 * surface.triangle_count()],
             on_lines: Vec::new(),
@@ -73,9 +76,10 @@ impl Split {
     fn vertex(&mut self, surface: &Surface, cuts: &mut [u32], place: EdgePoint) -> u32 {
         match place {
             EdgePoint::Vertex(v) => v,
-            EdgePoint::Edge(h, _) => {
+            EdgePoint::Edge(h, share) => {
                 if cuts[h as usize] == NONE {
                     self.points.push(place.position(surface).as_vec3());
+                    self.cuts.push((h, share));
                     for side in [Some(h), surface.twin(h)].into_iter().flatten() {
                         cuts[side as usize] = self.points.len() as u32 - 1;
                     }

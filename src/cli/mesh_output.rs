@@ -1,0 +1,61 @@
+//! The arguments that say where a mesh goes, and in which format.
+
+use super::output::Output;
+use clap::{Args, CommandFactory, error::ErrorKind};
+use quadmosaic::export::{Format, MeshFile, WriteError, write_mesh, write_mesh_to};
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+#[derive(Args)]
+pub struct MeshOutput {
+    /// The file of the mesh, whose extension tells the format; it is written whole or not at all. -: standard output, with --to
+    #[arg(short, long, value_name = "OUT")]
+    pub output: Output,
+    /// The format, whatever the extension: obj, ply, stl, off, vtk, vtu, msh (4.1), msh22, su2, inp, bdf or glb
+    #[arg(long, value_name = "FORMAT")]
+    to: Option<Format>,
+}
+
+impl MeshOutput {
+    /// The format.
+    ///
+    /// # Errors
+    /// Wrong usage, where neither `--to` nor the extension tells it.
+    pub fn format(&self) -> anyhow::Result<Format> {
+        let usage = |message: String| super::Arguments::command().error(ErrorKind::ValueValidation, message).into();
+        match (self.to, &self.output) {
+            (Some(format), _) => Ok(format),
+            (None, Output::File(path)) => Format::from_extension(path).map_err(|error| {
+                usage(format!("{}: {error}; name a format by the extension or by --to", path.display()))
+            }),
+            (None, Output::Standard) => {
+                Err(usage(format!("name the format of standard output: --to {}", Format::list().replace(", ", "|"))))
+            }
+        }
+    }
+
+    /// The path, where it is a file.
+    pub fn path(&self) -> Option<&Path> {
+        self.output.path()
+    }
+
+    /// Writes a mesh.
+    ///
+    /// # Errors
+    /// Where the format does not hold the mesh, or it cannot be written.
+    pub fn write(&self, mesh: &MeshFile) -> anyhow::Result<()> {
+        let format = self.format()?;
+        match &self.output {
+            Output::File(path) => Ok(write_mesh(path, format, mesh)?),
+            Output::Standard => {
+                let mut writer = BufWriter::new(io::stdout().lock());
+                let written = write_mesh_to(&mut writer, format, mesh);
+                match written.and_then(|()| writer.flush().map_err(WriteError::Stream)) {
+                    // As with what is printed.
+                    Err(WriteError::Stream(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+                    written => Ok(written?),
+                }
+            }
+        }
+    }
+}
