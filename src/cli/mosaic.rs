@@ -6,6 +6,7 @@ use super::fineness::FinenessArguments;
 use super::input::Source;
 use super::layout::{LayoutArguments, warn_of_stretch};
 use super::output::{expect_writable, file_path, picture_path, print, tiles_path, write_json};
+use super::repairs::warn_of_repairs;
 use super::{picture, summary};
 use anyhow::Context;
 use clap::Args;
@@ -76,6 +77,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let options = Options {
         features: directions.features(),
+        repairs: directions.repairs(),
         edges: directions.edges()?,
         field: directions.field()?,
         sizes: fineness.sizes()?,
@@ -117,6 +119,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         print(&summary::of_mosaic(&report))?;
     }
     warn_of(field.guides());
+    warn_of_repairs(&surface);
     warn_of_stretch(report.field.stretch.as_ref());
     Ok(())
 }
