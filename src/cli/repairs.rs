@@ -55,7 +55,7 @@ pub fn warn_of_repairs(surface: &Surface) {
         &contacts.coincident,
         "pair",
         "of triangles that lie on each other",
-        "two walls stand at one place there, in the mesh too, and no option joins them; remove one",
+        "two walls stand at one place there, in the mesh too; they are not joined: remove one of them",
     );
     told(
         &contacts.touching,

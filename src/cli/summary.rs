@@ -185,8 +185,8 @@ fn field(figures: &FieldFigures) -> String {
     format!("{free}{corners}, the sum of indices is {}{guides}{stretch}", figures.index_sum)
 }
 
-/// Gaps below this, in diagonals, come from rounding.
-const ROUNDING: f64 = 1e-6;
+/// Gaps below this, in diagonals, are none at the precision of computation.
+const ROUNDING: f64 = 1e-7;
 
 fn repairs(repairs: &Repairs, diagonal: f64) -> String {
     let said: Vec<_> = [

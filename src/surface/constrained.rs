@@ -9,7 +9,8 @@ const STEP: f64 = 1.0 / (1u64 << 40) as f64;
 /// The triangles, in the orientation of the sides. Each side is its first corner and the vertices between that and the next
 /// corner, in order. Segments that cross others are passed over.
 ///
-/// Works in the coordinates in which the corners are (0, 0), (1, 0) and (0, 1).
+/// Works in the coordinates in which the corners are (0, 0), (1, 0) and (0, 1) and vertices in sides lie on them exactly: so no
+/// triangle lies in a side, though the vertices are a little off it.
 pub(super) fn triangulate(
     points: &[DVec3],
     sides: [&[u32]; 3],

@@ -60,11 +60,9 @@ pub(super) fn contacts(surface: &Surface, side: f64) -> Contacts {
     let rims = Rims::new(surface);
     let test =
         |s: u32, t: u32| pair(surface.corners(s as usize), surface.corners(t as usize)).map(|kind| (kind, s.min(t)));
-    let (pairs, (touching, near_rims)) = rayon::join(
-        || boxes.pairs(TOUCH as f32, test),
-        || (touching(surface, &boxes, &rims), rims.near(surface, side)),
-    );
-    let mut contacts = Contacts { near_rims, ..Contacts::default() };
+    let (pairs, stretches) = rayon::join(|| boxes.pairs(TOUCH as f32, test), || rims.stretches(surface, side));
+    let touching = touching(surface, &boxes, rims.half_edges.iter().zip(&stretches).filter(|one| one.1.is_none()));
+    let mut contacts = Contacts { near_rims: near_rims(surface, side, &stretches), ..Contacts::default() };
     let place = |p: Vec3| surface.frame.near(p.as_dvec3().into());
     for (kind, t) in pairs {
         let of_kind = match kind {
@@ -138,8 +136,12 @@ fn overlap(s: [DVec3; 3], t: [DVec3; 3]) -> bool {
     })
 }
 
-/// The half-edges on rims that lie on triangles of other corners.
-fn touching(surface: &Surface, boxes: &Boxes, rims: &Rims) -> Vec<u32> {
+/// The half-edges, of those that run beside no other rim, that lie on triangles of other corners.
+fn touching<'a>(
+    surface: &Surface,
+    boxes: &Boxes,
+    rims: impl Iterator<Item = (&'a u32, &'a Option<Stretch>)>,
+) -> Vec<u32> {
     let lies_on = |p: Vec3, ends: [Vec3; 2], shared: usize| {
         let near = boxes.meeting(&Bounds::of(&[p]).grown(TOUCH as f32));
         near.into_iter().map(|t| surface.corners(t as usize)).any(|corners| {
@@ -151,7 +153,8 @@ fn touching(surface: &Surface, boxes: &Boxes, rims: &Rims) -> Vec<u32> {
         let [a, b] = [surface.origin(*h), surface.target(*h)].map(|v| surface.points[v as usize]);
         lies_on(a.midpoint(b), [a, b], 1) || lies_on(a, [a, b], 0) && lies_on(b, [a, b], 0)
     };
-    rims.half_edges.par_iter().copied().filter(touches).collect()
+    let rims: Vec<u32> = rims.map(|one| *one.0).collect();
+    rims.into_par_iter().filter(touches).collect()
 }
 
 /// The open boundaries, without seams where sheets meet.
@@ -196,8 +199,8 @@ impl Rims {
         Self { half_edges, along, lengths }
     }
 
-    /// The rims that run side by side for the length of a tile.
-    fn near(&self, surface: &Surface, side: f64) -> Option<NearRims> {
+    /// The stretch of each half-edge along which another rim runs.
+    fn stretches(&self, surface: &Surface, side: f64) -> Vec<Option<Stretch>> {
         let ends = |h: u32| [surface.origin(h), surface.target(h)].map(|v| surface.points[v as usize].as_dvec3());
         let tree = Simplices::<2>::new(self.half_edges.iter().map(|&h| ends(h)));
         let beside = BESIDE * side;
@@ -224,19 +227,38 @@ impl Rims {
             let gaps: Vec<Option<f64>> = (0..=pieces).map(|k| gap(edge, a.lerp(b, k as f64 / pieces as f64))).collect();
             let near = gaps.windows(2).filter(|ends| ends.iter().all(Option::is_some)).count();
             let widest = gaps.iter().flatten().copied().fold(0.0, f64::max);
-            (near > 0).then(|| (a.distance(b) * near as f64 / pieces as f64, widest, a.midpoint(b)))
+            (near > 0).then(|| Stretch {
+                length: a.distance(b) * near as f64 / pieces as f64,
+                gap: widest,
+                at: a.midpoint(b),
+            })
         };
-        let found: Vec<(f64, f64, DVec3)> = (0..self.half_edges.len()).into_par_iter().filter_map(of_edge).collect();
-        let length: f64 = found.iter().map(|one| one.0).sum();
-        let (_, gap, at) = *found.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let diagonal = surface.frame.diagonal;
-        (length > 2.0 * side).then(|| NearRims {
-            at: surface.frame.near(at.into()),
-            gap: gap * diagonal,
-            length: length * diagonal,
-            tolerance: round_up(ALLOWANCE * gap.max(TOUCH) * diagonal),
-        })
+        (0..self.half_edges.len()).into_par_iter().map(of_edge).collect()
     }
+}
+
+/// The part of a half-edge along which another rim runs.
+struct Stretch {
+    length: f64,
+    /// The largest gap.
+    gap: f64,
+    /// The middle of the half-edge.
+    at: DVec3,
+}
+
+/// The rims that run side by side for the length of a tile.
+fn near_rims(surface: &Surface, side: f64, stretches: &[Option<Stretch>]) -> Option<NearRims> {
+    let found = || stretches.iter().flatten();
+    let length: f64 = found().map(|stretch| stretch.length).sum();
+    let widest = found().max_by(|a, b| a.gap.total_cmp(&b.gap))?;
+    let diagonal = surface.frame.diagonal;
+    // Both rims count.
+    (length > 2.0 * side).then(|| NearRims {
+        at: surface.frame.near(widest.at.into()),
+        gap: widest.gap * diagonal,
+        length: length / 2.0 * diagonal,
+        tolerance: round_up(ALLOWANCE * widest.gap.max(TOUCH) * diagonal),
+    })
 }
 
 /// The next larger number of two digits.

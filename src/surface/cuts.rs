@@ -1,7 +1,7 @@
 //! Inserts vertices in the edges and inside of welded triangles, and triangulates these anew.
 
+use super::constrained;
 use super::weld::Welded;
-use super::{constrained, polygon};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
@@ -91,17 +91,16 @@ impl Cuts {
         let (mut triangles, mut sources) = (Vec::new(), Vec::new());
         for ((t, &triangle), &source) in (0..).zip(&welded.triangles).zip(&welded.sources) {
             let sides = self.sides(triangle);
-            let outline = sides.concat();
-            if let Some(Inside { vertices, segments }) = self.inside.get(&t) {
-                let sides = [0, 1, 2].map(|k| sides[k].as_slice());
-                triangles.extend(constrained::triangulate(&welded.points, sides, vertices, segments));
-            } else if outline.len() == 3 {
+            let inside = self.inside.get(&t);
+            if inside.is_none() && sides.iter().all(|side| side.len() == 1) {
                 triangles.push(triangle);
             } else {
-                for corners in simple_loops(&outline) {
-                    let places: Vec<DVec3> = corners.iter().map(|&v| welded.points[v as usize]).collect();
-                    triangles.extend(polygon::triangulate(&places).into_iter().map(|t| t.map(|k| corners[k])));
-                }
+                let (vertices, segments): (&[u32], &[[u32; 2]]) =
+                    inside.map_or((&[], &[]), |inside| (&inside.vertices, &inside.segments));
+                let sides = [0, 1, 2].map(|k| sides[k].as_slice());
+                let new = constrained::triangulate(&welded.points, sides, vertices, segments);
+                // A vertex in two sides, or in the side opposite to it, closes the triangles between its places.
+                triangles.extend(new.into_iter().filter(|[a, b, c]| a != b && b != c && c != a));
             }
             sources.resize(triangles.len(), source);
         }
@@ -110,35 +109,6 @@ impl Cuts {
     }
 }
 
-/// The loops of at least three vertices, none of them twice, that a closed walk falls apart into.
-fn simple_loops(walk: &[u32]) -> Vec<Vec<u32>> {
-    let mut loops = Vec::new();
-    let mut path: Vec<u32> = Vec::new();
-    for &v in walk {
-        if let Some(place) = path.iter().position(|&passed| passed == v) {
-            let found = path.split_off(place);
-            loops.push(found);
-        }
-        path.push(v);
-    }
-    loops.push(path);
-    loops.retain(|found| found.len() > 2);
-    loops
-}
-
 pub(super) fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_walk_falls_apart_where_it_meets_itself() {
-        assert_eq!(simple_loops(&[0, 1, 2, 3]), [[0, 1, 2, 3]]);
-        assert_eq!(simple_loops(&[0, 3, 1, 3, 2]), [[0, 3, 2]], "a corner cut off");
-        assert!(simple_loops(&[0, 2, 1, 2]).is_empty(), "the opposite corner on a side");
-        assert_eq!(simple_loops(&[0, 1, 2, 0, 3, 4]), [[0, 1, 2], [0, 3, 4]]);
-    }
 }
