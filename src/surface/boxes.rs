@@ -10,6 +10,9 @@ use rayon::prelude::*;
 /// Triangles a leaf.
 const LEAF: usize = 4;
 
+/// The most nodes that wait in a search: one a level, of at most 2^32 leaves.
+const MOST_WAITING: usize = 34;
+
 /// A box, from its lowest corner to its highest one.
 #[derive(Clone, Copy)]
 pub(super) struct Bounds {
@@ -78,8 +81,11 @@ impl Boxes {
     fn search(&self, wanted: &Bounds, from: usize, mut found: impl FnMut(usize)) {
         let leaves = self.nodes.len() / 2;
         // A node, and the places of its leaves.
-        let mut stack = vec![(1, 0, leaves)];
-        while let Some((node, first, last)) = stack.pop() {
+        let mut stack = [(1, 0, leaves); MOST_WAITING];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let (node, first, last) = stack[waiting];
             if last * LEAF <= from || !self.nodes[node].meets(wanted) {
                 continue;
             }
@@ -88,7 +94,9 @@ impl Boxes {
                 places.filter(|&place| self.boxes[place].meets(wanted)).for_each(&mut found);
             } else {
                 let middle = usize::midpoint(first, last);
-                stack.extend([(2 * node + 1, middle, last), (2 * node, first, middle)]);
+                stack[waiting] = (2 * node + 1, middle, last);
+                stack[waiting + 1] = (2 * node, first, middle);
+                waiting += 2;
             }
         }
     }

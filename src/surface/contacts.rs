@@ -5,9 +5,9 @@
 //! from the other's plane.
 //!
 //! # Practice
-//! Only pairs without a common corner cross. Coincident triangles may have common corners, as where two solids share a wall in
-//! two triangulations. An edge of a rim touches a sheet where its middle or both its ends lie on
-//! triangles of other corners.
+//! Triangles with a common vertex are neighbours, whatever their angle. Of the others, those without a common corner may cross;
+//! coincident ones may have common corners, as where two solids share a wall in two triangulations. An edge of a rim touches a
+//! sheet where its middle or both its ends lie on triangles of other corners.
 
 use super::boxes::{Bounds, Boxes};
 use super::nearest::{Simplices, nearest_on_segment, squared_distance};
@@ -58,8 +58,17 @@ pub struct NearRims {
 pub(super) fn contacts(surface: &Surface, side: f64) -> Contacts {
     let boxes = Boxes::new(&surface.points, &surface.triangles);
     let rims = Rims::new(surface);
-    let test =
-        |s: u32, t: u32| pair(surface.corners(s as usize), surface.corners(t as usize)).map(|kind| (kind, s.min(t)));
+    let test = |s: u32, t: u32| {
+        let [vertices, others] = [s, t].map(|t| surface.triangles[t as usize]);
+        if vertices.iter().any(|v| others.contains(v)) {
+            return None;
+        }
+        let [corners, others] = [s, t].map(|t| surface.corners(t as usize));
+        if are_apart(corners, others) || are_apart(others, corners) {
+            return None;
+        }
+        pair(corners, others).map(|kind| (kind, s.min(t)))
+    };
     let (pairs, stretches) = rayon::join(|| boxes.pairs(TOUCH as f32, test), || rims.stretches(surface, side));
     let touching = touching(surface, &boxes, rims.half_edges.iter().zip(&stretches).filter(|one| one.1.is_none()));
     let mut contacts = Contacts { near_rims: near_rims(surface, side, &stretches), ..Contacts::default() };
@@ -77,6 +86,14 @@ pub(super) fn contacts(surface: &Surface, side: f64) -> Contacts {
         contacts.touching.note(|| place(a.midpoint(b)));
     }
     contacts
+}
+
+/// Whether a triangle lies on one side of another's plane, plainly even with the rounding of f32.
+fn are_apart([a, b, c]: [Vec3; 3], others: [Vec3; 3]) -> bool {
+    let normal = (b - a).cross(c - a);
+    let heights = others.map(|p| normal.dot(p - a));
+    let plain = 2.0 * TOUCH as f32 * normal.length();
+    heights.iter().all(|&h| h > plain) || heights.iter().all(|&h| h < -plain)
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
