@@ -13,16 +13,19 @@ pub(super) struct Edges {
 
 impl Edges {
     pub fn new(triangles: &[[u32; 3]]) -> Self {
-        let mut at: FxHashMap<[u32; 2], (u32, u32)> = FxHashMap::default();
-        at.reserve(3 * triangles.len() / 2);
-        let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
-        for (t, triangle) in (0..).zip(triangles) {
-            for side in sides(triangle) {
-                at.entry(sorted(side)).or_insert((0, t)).0 += 1;
-            }
+        let mut edges = Self { triangles: FxHashMap::default(), open: Vec::new() };
+        edges.triangles.reserve(3 * triangles.len() / 2);
+        (0..).zip(triangles).for_each(|(t, &triangle)| edges.add(t, triangle));
+        let is_open = |side: &[u32; 2]| edges.triangles[&sorted(*side)].0 == 1;
+        edges.open = triangles.iter().flat_map(|&triangle| sides(triangle)).filter(is_open).collect();
+        edges
+    }
+
+    /// Adds the edges of a triangle; those that were open are still called so.
+    pub fn add(&mut self, id: u32, triangle: [u32; 3]) {
+        for side in sides(triangle) {
+            self.triangles.entry(sorted(side)).or_insert((0, id)).0 += 1;
         }
-        let open = triangles.iter().flat_map(sides).filter(|&side| at[&sorted(side)].0 == 1).collect();
-        Self { triangles: at, open }
     }
 
     /// The edges of one triangle each, as that triangle passes them.
@@ -74,4 +77,9 @@ impl Edges {
         }
         loops
     }
+}
+
+/// The sides of a triangle.
+pub(super) fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
 }

@@ -9,7 +9,7 @@
 //! that the surface has already. Long loops are triangulated in the plane that they fit best. The outline of an open sheet is a
 //! loop too: it stays open where its filling would be about as large as the sheet itself.
 
-use super::edges::Edges;
+use super::edges::{Edges, sides};
 use super::parts::Parts;
 use super::polygon;
 use super::weld::Welded;
@@ -30,11 +30,10 @@ pub(super) fn fill(welded: &mut Welded, limit: f64) {
     for (corners, &part) in triangles.iter().zip(&parts.of_triangle) {
         areas[part as usize] += area(corners.map(|v| points[v as usize]));
     }
-    let edges = Edges::new(triangles);
+    let mut edges = Edges::new(triangles);
     for mut hole in edges.loops() {
         let beside = edges.triangle_at(hole[0], hole[1]);
-        let [a, b, c] = triangles[beside as usize];
-        if [[a, b], [b, c], [c, a]].contains(&[hole[0], hole[1]]) {
+        if sides(triangles[beside as usize]).contains(&[hole[0], hole[1]]) {
             // The filling is oriented as the triangle beside it.
             hole.reverse();
         }
@@ -56,7 +55,10 @@ pub(super) fn fill(welded: &mut Welded, limit: f64) {
             points.push(middle);
         }
         let vertex = |k: usize| hole.get(k).copied().unwrap_or(new);
-        triangles.extend(filling.iter().map(|triangle| triangle.map(vertex)));
+        for triangle in filling.iter().map(|triangle| triangle.map(vertex)) {
+            edges.add(triangles.len() as u32, triangle);
+            triangles.push(triangle);
+        }
         sources.resize(triangles.len(), sources[beside as usize]);
         repairs.filled_holes.note(|| frame.near(middle.into()));
     }

@@ -11,7 +11,7 @@
 
 use super::boxes::{Bounds, Boxes};
 use super::cuts::{Cuts, sorted};
-use super::edges::Edges;
+use super::edges::{Edges, sides};
 use super::nearest::{nearest_on_segment, squared_distance};
 use super::weld::Welded;
 use glam::{DVec3, Vec3};
@@ -97,10 +97,6 @@ pub(super) fn imprint(welded: &mut Welded, tolerance: f64) {
         }
     }
     cuts.apply(welded);
-}
-
-fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
-    [[a, b], [b, c], [c, a]]
 }
 
 /// The nearest points of the lines of two segments, where each lies inside its segment.

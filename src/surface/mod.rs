@@ -125,7 +125,7 @@ pub enum SurfaceError {
         given: usize,
     },
     /// A length of the repairs is none.
-    #[error("a length of {length} of the model's diagonal is none for {name}; give one above 0{}", upper_limit(*.most))]
+    #[error("{length} of the model's diagonal is no length for {name}; give one above 0{}", upper_limit(*.most))]
     RepairLength {
         /// The repair.
         name: &'static str,
@@ -201,7 +201,7 @@ pub enum SurfaceError {
 }
 
 fn upper_limit(most: f64) -> String {
-    if most < f64::MAX { format!(" and of at most {most}") } else { String::new() }
+    if most < f64::MAX { format!(" and of at most {most} of it") } else { String::new() }
 }
 
 /// A place in messages: seven significant digits are enough to find it.
