@@ -7,6 +7,7 @@ use glam::DVec3;
 use quadmosaic::compute::Cpu;
 use quadmosaic::pipeline::{Fineness, Options, PipelineError, run};
 use quadmosaic::surface::{FeatureOptions, Length, Regions, RepairOptions, Soup, Surface, SurfaceError};
+use std::f64::consts::{PI, TAU};
 use surfaces::{example, flat};
 
 /// Features are the boundary's loops.
@@ -214,7 +215,7 @@ fn a_lid_that_floats_is_welded_on() {
 fn boss(plate: usize, drum: usize) -> Soup {
     let mut soup = Soup::default();
     let circle = |count: usize, radius: f64, z: f64| {
-        let angle = move |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
+        let angle = move |k: usize| TAU * k as f64 / count as f64;
         (0..count).map(move |k| [radius * angle(k).cos(), radius * angle(k).sin(), z])
     };
     let band = |soup: &mut Soup, rings: [Vec<[f64; 3]>; 2]| {
@@ -238,7 +239,7 @@ fn rims_of_other_chords_are_sewn() {
     // No vertex of one is one of the other's but at 0 and 180 degrees.
     let soup = boss(32, 46);
     // The sagitta of a chord of 32.
-    let sagitta = 1.0 - (std::f64::consts::PI / 32.0).cos();
+    let sagitta = 1.0 - (PI / 32.0).cos();
     assert_eq!(topology(&repaired(&boss(46, 46), &RepairOptions::default())), (1, 1), "a disc with a boss");
     assert_ne!(topology(&repaired(&soup, &RepairOptions::default())), (1, 1));
     let sewn = repaired(&soup, &welding(Length::Model(sagitta)));
@@ -398,6 +399,14 @@ fn whole_surfaces_have_no_contacts() {
     for (name, ..) in surfaces::EXAMPLES {
         assert_eq!(contacts(&example(name, 6_000)), [0; 3], "{name}");
     }
+    // A disc whose corners are cut off in turns: slivers lie along its rim.
+    let point = |k: u32| [(f64::from(k) * TAU / 4096.0).cos(), (f64::from(k) * TAU / 4096.0).sin(), 0.0];
+    let mut disc = Soup { points: (0..4096).map(point).collect(), ..Soup::default() };
+    for step in (0..11).map(|level| 1 << level) {
+        disc.triangles.extend((0..4096).step_by(2 * step).map(|k| [k, k + step as u32, (k + 2 * step as u32) % 4096]));
+    }
+    assert_eq!(disc.triangles.len(), 4094);
+    assert_eq!(contacts(&disc), [0; 3]);
     // A flat floor with a wall that shares its edges.
     let conforming = joined(&[flat(10, 10, 0.4), wall(6, 0.4, [0.8, 1.2, 0.0], [1.0, 0.0])]);
     assert_eq!(contacts(&conforming), [0; 3]);

@@ -11,16 +11,18 @@
 
 use super::boxes::{Bounds, Boxes};
 use super::nearest::{Simplices, nearest_on_segment, squared_distance};
+use super::repairs::TOUCH;
 use super::{Places, Surface, next};
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-/// Distances below this, in diagonals of the bounding box, are none: some tens of steps of f32.
-pub(super) const TOUCH: f64 = 2e-6;
 /// Triangles in one plane coincide where they overlap by more than this in every direction.
 const OVERLAP: f64 = 1e-5;
+/// An edge of a rim touches no triangle with a corner on the same rim that is nearer to it along that, in diagonals: it may be a
+/// sliver beside the edge.
+const OWN_RIM: f64 = 0.01;
 /// Rims nearer than this, in sides of a tile, run side by side.
 const BESIDE: f64 = 0.02;
 /// A rim runs beside itself only where the way along it is so many times as long as the gap.
@@ -70,7 +72,7 @@ pub(super) fn contacts(surface: &Surface, side: f64) -> Contacts {
         pair(corners, others).map(|kind| (kind, s.min(t)))
     };
     let (pairs, stretches) = rayon::join(|| boxes.pairs(TOUCH as f32, test), || rims.stretches(surface, side));
-    let touching = touching(surface, &boxes, rims.half_edges.iter().zip(&stretches).filter(|one| one.1.is_none()));
+    let touching = rims.touching(surface, &boxes, &stretches);
     let mut contacts = Contacts { near_rims: near_rims(surface, side, &stretches), ..Contacts::default() };
     let place = |p: Vec3| surface.frame.near(p.as_dvec3().into());
     for (kind, t) in pairs {
@@ -153,27 +155,6 @@ fn overlap(s: [DVec3; 3], t: [DVec3; 3]) -> bool {
     })
 }
 
-/// The half-edges, of those that run beside no other rim, that lie on triangles of other corners.
-fn touching<'a>(
-    surface: &Surface,
-    boxes: &Boxes,
-    rims: impl Iterator<Item = (&'a u32, &'a Option<Stretch>)>,
-) -> Vec<u32> {
-    let lies_on = |p: Vec3, ends: [Vec3; 2], shared: usize| {
-        let near = boxes.meeting(&Bounds::of(&[p]).grown(TOUCH as f32));
-        near.into_iter().map(|t| surface.corners(t as usize)).any(|corners| {
-            ends.iter().chain([&p]).filter(|end| corners.contains(end)).count() <= shared
-                && squared_distance(p.as_dvec3(), corners.map(|p| p.as_dvec3())) < TOUCH * TOUCH
-        })
-    };
-    let touches = |h: &u32| {
-        let [a, b] = [surface.origin(*h), surface.target(*h)].map(|v| surface.points[v as usize]);
-        lies_on(a.midpoint(b), [a, b], 1) || lies_on(a, [a, b], 0) && lies_on(b, [a, b], 0)
-    };
-    let rims: Vec<u32> = rims.map(|one| *one.0).collect();
-    rims.into_par_iter().filter(touches).collect()
-}
-
 /// The open boundaries, without seams where sheets meet.
 struct Rims {
     half_edges: Vec<u32>,
@@ -214,6 +195,37 @@ impl Rims {
             }
         }
         Self { half_edges, along, lengths }
+    }
+
+    /// The half-edges, of those that run beside no other rim, that lie on triangles of other corners.
+    fn touching(&self, surface: &Surface, boxes: &Boxes, stretches: &[Option<Stretch>]) -> Vec<u32> {
+        let at: FxHashMap<u32, (u32, f64)> =
+            self.half_edges.iter().zip(&self.along).map(|(&h, &along)| (surface.origin(h), along)).collect();
+        let touches = |edge: usize| {
+            let h = self.half_edges[edge];
+            let vertices = [surface.origin(h), surface.target(h)];
+            let ends = vertices.map(|v| surface.points[v as usize]);
+            let (of_loop, way) = self.along[edge];
+            let is_beside = |v: &u32| {
+                let on_rim = at.get(v).is_some_and(|&(loop_there, there)| {
+                    let between = (way - there).abs();
+                    loop_there == of_loop && between.min(self.lengths[of_loop as usize] - between) < OWN_RIM
+                });
+                on_rim || vertices.contains(v)
+            };
+            let lies_on = |p: Vec3, shared: usize| {
+                boxes.meeting(&Bounds::of(&[p]).grown(TOUCH as f32)).into_iter().any(|t| {
+                    let corners = surface.corners(t as usize);
+                    let common = ends.iter().chain([&p]).filter(|end| corners.contains(end)).count();
+                    common <= shared
+                        && squared_distance(p.as_dvec3(), corners.map(|p| p.as_dvec3())) < TOUCH * TOUCH
+                        && !surface.triangles[t as usize].iter().any(is_beside)
+                })
+            };
+            lies_on(ends[0].midpoint(ends[1]), 1) || ends.iter().all(|&end| lies_on(end, 0))
+        };
+        let alone = (0..self.half_edges.len()).into_par_iter().filter(|&edge| stretches[edge].is_none());
+        alone.filter(|&edge| touches(edge)).map(|edge| self.half_edges[edge]).collect()
     }
 
     /// The stretch of each half-edge along which another rim runs.

@@ -1,12 +1,14 @@
 //! Repairs that can be asked for, and those that were made, between soup and surface.
 
 use super::SurfaceError;
-use super::contacts::TOUCH;
 use serde::Serialize;
 use std::str::FromStr;
 
 /// Places that are kept.
 const PLACES: usize = 10;
+
+/// Distances below this, in diagonals of the bounding box, are none between sheets: some tens of steps of f32.
+pub(super) const TOUCH: f64 = 2e-6;
 
 /// The largest tolerance of welding, in diagonals of the bounding box: a larger one would leave no shape.
 const MOST_WELD: f64 = 0.05;
