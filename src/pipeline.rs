@@ -206,6 +206,10 @@ const UNTANGLING_ROUNDS: usize = 3;
 /// The most rounds in which the surface is divided where sizes, known at vertices, are small.
 const SIZE_ROUNDS: usize = 4;
 
+/// A surface whose triangles, once those that are long are divided, are more than so many a tile is coarsened: the time grows with
+/// them, and tiles do not need them.
+const MOST_PARTS: usize = 8;
+
 /// The numbers of vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 
@@ -332,7 +336,11 @@ pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize)
     let count = count(&surface, options)?;
     let side = mosaic::side_for_count(&surface, count);
     let mut surface = surface.with_contacts(f64::from(side)).fitted(features, side);
+    if surface.parts(mosaic::longest_edges(&surface, &Sizes::equal(), count, options.aspect)[0]) > MOST_PARTS * count {
+        surface = surface.coarsened(f64::from(side), features);
+    }
     let mut wanted = options.sizes.on(&surface, f64::from(side));
+    let count = wanted.raised(&surface, count)?;
     let mut sizes = wanted.sizes(&surface, count)?;
     for _ in 0..SIZE_ROUNDS {
         let longest = mosaic::longest_edges(&surface, &sizes, count, options.aspect);

@@ -1,6 +1,6 @@
 //! The fineness of the mesh: arguments that `mesh`, `field` and `mosaic` share.
 
-use super::numbers::{degrees, number, points, positive};
+use super::numbers::{degrees, number, points, positive, up_to};
 use clap::Args;
 use quadmosaic::pipeline::Fineness;
 use quadmosaic::sizes::{SizeOptions, read_sizes};
@@ -33,6 +33,9 @@ pub struct FinenessArguments {
     /// Largest ratio of two edges beside each other (1.01 to 10), where they are not all equal
     #[arg(long, value_name = "RATIO", default_value_t = 1.2, value_parser = growth, help_heading = "Fineness")]
     max_growth: f64,
+    /// The least number of edges round thin parts and narrow holes (0 to 100): edges are smaller there, down to a tenth; 0: any
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = up_to::<100>, help_heading = "Fineness")]
+    around: usize,
 }
 
 impl FinenessArguments {
@@ -51,7 +54,12 @@ impl FinenessArguments {
     /// Where the file of sizes cannot be read.
     pub fn sizes(&self) -> anyhow::Result<SizeOptions> {
         let samples = self.size_field.as_deref().map(read_sizes).transpose()?.unwrap_or_default();
-        Ok(SizeOptions { samples, curvature: self.refine_curvature, growth: self.max_growth })
+        Ok(SizeOptions {
+            samples,
+            curvature: self.refine_curvature,
+            growth: self.max_growth,
+            around: self.around as f64,
+        })
     }
 }
 

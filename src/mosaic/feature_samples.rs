@@ -93,6 +93,38 @@ fn intervals(parameters: &[f64]) -> usize {
     (parameters[parameters.len() - 1] - parameters[0]).round() as usize
 }
 
+/// The largest change of a parameter that makes a curve's parameters increase, in tiles.
+const MOST_CHANGE: f64 = 0.02;
+/// The least growth of a parameter from one vertex to the next, in tiles.
+const LEAST_GROWTH: f64 = 1e-6;
+
+/// Makes the parameters in a range increase, where few decrease as in an inverted triangle of the parametrization. False where
+/// one would change by more than [`MOST_CHANGE`]; then they are as they were.
+fn make_monotone(parameters: &mut [f64], range: std::ops::RangeInclusive<usize>) -> bool {
+    let given = &parameters[range.clone()];
+    if given.windows(2).all(|pair| pair[1] > pair[0]) {
+        return true;
+    }
+    let mut largest = f64::NEG_INFINITY;
+    let mut fitted: Vec<f64> = given
+        .iter()
+        .map(|&x| {
+            largest = x.max(largest + LEAST_GROWTH);
+            largest
+        })
+        .collect();
+    let mut smallest = f64::INFINITY;
+    for (x, &y) in fitted.iter_mut().zip(given).rev() {
+        smallest = y.min(smallest - LEAST_GROWTH);
+        *x = (*x + smallest) / 2.0;
+    }
+    let is_near = fitted.iter().zip(given).all(|(x, y)| (x - y).abs() <= MOST_CHANGE);
+    if is_near {
+        parameters[range].copy_from_slice(&fitted);
+    }
+    is_near
+}
+
 /// A parameter along each feature curve, whose integers are the samples.
 #[derive(Clone, Debug, Default)]
 pub struct CurveParameters {
@@ -123,9 +155,7 @@ impl CurveParameters {
             growth.iter().for_each(|[_, step]| here.push(here[here.len() - 1] + step));
             let has_released_end = !path.closed && has_sample != [true; 2];
             let (first, last) = path.constrained(&parametrization.released_vertices);
-            if (has_released_end || intervals(&here) > 0)
-                && growth[first.min(last)..last].iter().all(|way| way[1] > 0.0)
-            {
+            if (has_released_end || intervals(&here) > 0) && make_monotone(&mut here, first.min(last)..=last) {
                 if has_released_end {
                     let margin = has_sample.map(|has_sample| if has_sample { 0.5 } else { 0.0 });
                     let range =
@@ -366,4 +396,27 @@ fn middle(surface: &Surface, field: &Field, sector: u32) -> (u32, Vec3) {
     let along = unit(p - o);
     let (s, c) = left.sin_cos();
     (at / 3, along * c as f32 + cross(normal, along) * s as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::make_monotone;
+
+    #[test]
+    fn a_parameter_that_decreases_in_one_edge_is_mended_and_the_others_stay() {
+        let mut parameters = [0.0, 1.0, 2.02, 2.0, 3.0, 4.0];
+        assert!(make_monotone(&mut parameters, 0..=5));
+        assert!(parameters.windows(2).all(|pair| pair[1] > pair[0]), "{parameters:?}");
+        assert!((parameters[2] - 2.01).abs() < 1e-5 && (parameters[3] - 2.01).abs() < 1e-5);
+        assert_eq!([0, 1, 4, 5].map(|i| parameters[i]), [0.0, 1.0, 3.0, 4.0]);
+    }
+
+    #[test]
+    fn parameters_that_turn_back_farther_are_left() {
+        let given = [0.0, 3.0, 1.5, 4.0];
+        let mut parameters = given;
+        assert!(!make_monotone(&mut parameters, 0..=3));
+        assert_eq!(parameters, given);
+        assert!(make_monotone(&mut parameters, 0..=1), "outside the range they may");
+    }
 }

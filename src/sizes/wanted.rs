@@ -4,12 +4,17 @@ use super::growth::Growth;
 use super::{SizeSample, Sizes, SizesError};
 use crate::surface::Surface;
 use crate::surface::curvature::{curvatures_above, radius_of_tile};
+use crate::surface::girth::girths;
 use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 /// The least factor by which curvature makes a tile smaller.
 const LEAST: f64 = 0.25;
+/// The least factor by which the girth of a thin part makes a tile smaller.
+const THINNEST: f64 = 0.1;
+/// Where thin parts take more tiles than this share of the count beside those that they would have, the count is raised.
+const THIN_SHARE: f64 = 0.5;
 /// The samples that the size of a place is a mean of.
 const NEAREST: usize = 8;
 /// Rounds of fitting the scale to the count; each leaves about a tenth of the error.
@@ -27,18 +32,26 @@ pub struct SizeOptions {
     pub curvature: Option<f64>,
     /// The largest ratio of the sides of two tiles beside each other. Default 1.2.
     pub growth: f64,
+    /// The number of tiles that go round thin parts and narrow holes; tiles are made smaller for it, down to a tenth. 0: any.
+    /// Default 3.
+    pub around: f64,
 }
 
 impl Default for SizeOptions {
     fn default() -> Self {
-        Self { samples: Vec::new(), curvature: None, growth: 1.2 }
+        Self { samples: Vec::new(), curvature: None, growth: 1.2, around: 3.0 }
     }
 }
 
 impl SizeOptions {
     /// The wanted sizes on a surface, for tiles of about this side in unit-sized coordinates.
     pub(crate) fn on<'a>(&'a self, surface: &Surface, side: f64) -> Wanted<'a> {
-        Wanted { options: self, samples: self.spread(surface), turns: self.turns(surface, side) }
+        Wanted {
+            options: self,
+            samples: self.spread(surface),
+            turns: self.turns(surface, side),
+            girths: self.girths(surface, side),
+        }
     }
 
     /// The number of tiles of the sides that the samples give as they are, in model units.
@@ -46,17 +59,12 @@ impl SizeOptions {
     /// # Errors
     /// Where samples give no positive size that an `f32` holds.
     pub fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
-        let flat = Self { curvature: None, ..self.clone() };
+        let flat = Self { curvature: None, around: 0.0, ..self.clone() };
         let count = flat.on(surface, 1.0).count(surface)?;
-        if self.curvature.is_none() {
+        if self.curvature.is_none() && self.around == 0.0 {
             return Ok(count);
         }
         self.on(surface, f64::from(Sizes::equal().side_for_count(surface, count as usize + 1))).count(surface)
-    }
-
-    /// Whether they ask for equal tiles.
-    pub fn are_equal(&self) -> bool {
-        self.samples.is_empty() && self.curvature.is_none()
     }
 
     /// The samples' side at each vertex, in unit-sized coordinates; 1 where there are none.
@@ -87,6 +95,12 @@ impl SizeOptions {
         let curvatures = curvatures_above(surface, radius_of_tile(side / 2.0), angle / (2.0 * side));
         Some(curvatures.iter().map(|bend| bend.values[0].abs()).collect())
     }
+
+    /// The girth of thin parts at each vertex, infinity elsewhere; `None` without thin parts.
+    fn girths(&self, surface: &Surface, side: f64) -> Option<Vec<f64>> {
+        let girths = girths(surface, (self.around * side) as f32, side as f32);
+        girths.iter().any(|girth| girth.is_finite()).then_some(girths)
+    }
 }
 
 /// The wanted sizes at the vertices of a surface.
@@ -96,6 +110,8 @@ pub(crate) struct Wanted<'a> {
     samples: Vec<f64>,
     /// The turn of the surface per length, in radians.
     turns: Option<Vec<f64>>,
+    /// The girth of thin parts, in unit-sized coordinates; infinity elsewhere.
+    girths: Option<Vec<f64>>,
 }
 
 impl Wanted<'_> {
@@ -104,7 +120,7 @@ impl Wanted<'_> {
     /// # Errors
     /// Where samples give no positive size that an `f32` holds.
     pub fn sizes(&self, surface: &Surface, count: usize) -> Result<Sizes, SizesError> {
-        if self.options.are_equal() {
+        if self.options.samples.is_empty() && self.turns.is_none() && self.girths.is_none() {
             return Ok(Sizes::equal());
         }
         let growth = Growth::new(surface);
@@ -120,20 +136,37 @@ impl Wanted<'_> {
         relative(surface, &self.sides(&growth, scale), scale)
     }
 
+    /// The number of tiles that are laid where `count` are asked for: more where most would lie on thin parts.
+    ///
+    /// # Errors
+    /// As [`Wanted::sizes`].
+    pub fn raised(&self, surface: &Surface, count: usize) -> Result<usize, SizesError> {
+        if self.girths.is_none() {
+            return Ok(count);
+        }
+        let growth = Growth::new(surface);
+        let scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
+        let whole = relative(surface, &self.sides(&growth, scale), scale)?.count_for_side(surface, scale);
+        Ok(if whole > (1.0 + THIN_SHARE) * count as f64 { whole as usize } else { count })
+    }
+
     fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
         Ok(relative(surface, &self.sides(&Growth::new(surface), 1.0), 1.0)?.count_for_side(surface, 1.0))
     }
 
     /// The same where vertices were added to the surface, each in the middle between two.
     pub fn divided(self, surface: &Surface, middles: &[[u32; 2]]) -> Self {
-        let turns = self.turns.map(|mut turns| {
-            for ends in middles {
-                let [a, b] = ends.map(|v| turns[v as usize]);
-                turns.push((a + b) / 2.0);
-            }
-            turns
-        });
-        Self { options: self.options, samples: self.options.spread(surface), turns }
+        let between = |values: Option<Vec<f64>>, between: fn(f64, f64) -> f64| {
+            values.map(|mut values| {
+                for &[a, b] in middles {
+                    values.push(between(values[a as usize], values[b as usize]));
+                }
+                values
+            })
+        };
+        let turns = between(self.turns, |a, b| (a + b) / 2.0);
+        let girths = between(self.girths, f64::max);
+        Self { options: self.options, samples: self.options.spread(surface), turns, girths }
     }
 
     /// The sides at this scale: no larger than curvature allows, nor than growth.
@@ -142,6 +175,11 @@ impl Wanted<'_> {
         if let (Some(degrees), Some(turns)) = (self.options.curvature, &self.turns) {
             for (side, bend) in sides.iter_mut().zip(turns) {
                 *side = side.min((degrees.to_radians() / bend).max(LEAST * *side));
+            }
+        }
+        if let Some(girths) = &self.girths {
+            for (side, girth) in sides.iter_mut().zip(girths) {
+                *side = side.min((girth / self.options.around).max(THINNEST * *side));
             }
         }
         growth.limit(&mut sides, self.options.growth - 1.0);

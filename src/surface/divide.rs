@@ -42,6 +42,17 @@ impl Surface {
         }
     }
 
+    /// About the number of triangles once no edge is longer than `longest`, unit-sized.
+    pub(crate) fn parts(&self, longest: f64) -> usize {
+        let parts = |t: usize| {
+            let [a, b, c] = self.corners(t).map(|p| p.as_dvec3());
+            let length = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            let height = (b - a).cross(c - a).length() / length.max(f64::MIN_POSITIVE);
+            (2.0 * length / longest).max(1.0) * (height / longest).max(1.0)
+        };
+        (0..self.triangle_count()).map(parts).sum::<f64>() as usize
+    }
+
     /// Twice the area of a triangle over its squared longest side: 0.87 where all sides are equal.
     fn shape(&self, triangle: u32) -> f64 {
         let [a, b, c] = self.corners(triangle as usize).map(|p| p.as_dvec3());

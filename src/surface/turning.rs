@@ -5,13 +5,13 @@
 //! along the walks differ by the turn. So a fold between two flat sides turns by its dihedral angle, whatever the size of the
 //! triangles. A groove or a fillet narrower than the walks turns by what its surroundings do, and the turns of noise cancel.
 
-use super::walk::{WALK_EDGES, Walkable, walk_through};
+use super::walk::{Passed, WALK_EDGES, Walkable, walk_through};
 use super::{NONE, Surface};
 use crate::geometry::{cross, unit};
 use glam::{DVec3, Vec3};
 
 /// A surface on which features are no barriers.
-struct WithoutBarriers<'a>(&'a Surface);
+pub(super) struct WithoutBarriers<'a>(pub &'a Surface);
 
 impl Walkable for WithoutBarriers<'_> {
     fn corners(&self, triangle: usize) -> [Vec3; 3] {
@@ -32,8 +32,8 @@ pub(super) fn turn(surface: &Surface, half_edge: u32, share: f32, reach: f32) ->
         let [a, b] = [surface.origin(h), surface.target(h)].map(|v| surface.points[v as usize]);
         let inward = cross(surface.normal(h as usize / 3), unit(b - a));
         let mut sum = DVec3::ZERO;
-        let passed = |triangle: u32, share: f32| {
-            sum += surface.normal(triangle as usize).as_dvec3() * f64::from(share);
+        let passed = |passed: Passed| {
+            sum += surface.normal(passed.triangle as usize).as_dvec3() * f64::from(passed.share);
         };
         walk_through(&WithoutBarriers(surface), h / 3, a + (b - a) * share, inward * reach, WALK_EDGES, passed);
         sum

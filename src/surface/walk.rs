@@ -56,17 +56,28 @@ pub(crate) fn walk_on(
     displacement: Vec3,
     edges: u32,
 ) -> SurfacePoint {
-    walk_through(triangles, triangle, position, displacement, edges, |_, _| ())
+    walk_through(triangles, triangle, position, displacement, edges, |_| ())
 }
 
-/// As [`walk`]. `passed` receives each triangle in turn, with the share of the displacement that lies in it.
+/// A part of a walk, in one triangle.
+pub(super) struct Passed {
+    pub triangle: u32,
+    /// The share of the displacement that lies in it.
+    pub share: f32,
+    /// Where the walk leaves it, or ends.
+    pub to: Vec3,
+    /// The direction of the walk in it, as long as the displacement.
+    pub heading: Vec3,
+}
+
+/// As [`walk`]. `passed` receives the parts of the walk in turn.
 pub(super) fn walk_through(
     triangles: &impl Walkable,
     triangle: u32,
     position: Vec3,
     displacement: Vec3,
     edges: u32,
-    mut passed: impl FnMut(u32, f32),
+    mut passed: impl FnMut(Passed),
 ) -> SurfacePoint {
     let mut t = triangle;
     let mut p = position;
@@ -96,7 +107,7 @@ pub(super) fn walk_through(
             }
         }
         p += step * share;
-        passed(t, left * share);
+        passed(Passed { triangle: t, share: left * share, to: p, heading });
         if exit == NONE {
             return SurfacePoint { triangle: t, position: onto_plane(p, corners[0], normal) };
         }
