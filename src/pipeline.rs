@@ -29,7 +29,7 @@ use crate::mosaic::{self, Effort, Mosaic, MosaicBuilder};
 use crate::parametrize::Rows;
 use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
 use crate::sizes::{SizeOptions, Sizes, SizesError};
-use crate::surface::{FeatureOptions, NamedEdge, Soup, Surface, SurfaceError};
+use crate::surface::{FeatureOptions, NamedEdge, RepairOptions, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -49,6 +49,8 @@ pub enum Fineness {
 pub struct Options {
     /// The fineness of the mesh.
     pub fineness: Fineness,
+    /// The repairs of the surface.
+    pub repairs: RepairOptions,
     /// The features of the surface.
     pub features: FeatureOptions,
     /// Edges of the surface that are features at any angle.
@@ -80,6 +82,7 @@ impl Options {
     pub fn new(fineness: Fineness) -> Self {
         Self {
             fineness,
+            repairs: RepairOptions::default(),
             features: FeatureOptions::default(),
             edges: Vec::new(),
             field: FieldOptions::default(),
@@ -330,10 +333,12 @@ fn untangle_and_relocate(
 pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize), PipelineError> {
     expect_stretchable(options)?;
     let features = &options.features;
-    let surface = Surface::new(soup, features)?.with_edges(soup, &options.edges, features)?;
+    let side = approximate_side(soup, options);
+    let surface =
+        Surface::repaired(soup, features, &options.repairs, side)?.with_edges(soup, &options.edges, features)?;
     let count = count(&surface, options)?;
     let side = mosaic::side_for_count(&surface, count);
-    let mut surface = surface.fitted(features, side);
+    let mut surface = surface.with_contacts(f64::from(side)).fitted(features, side);
     if surface.parts(mosaic::longest_edges(&surface, &Sizes::equal(), count, options.aspect)[0]) > MOST_PARTS * count {
         surface = surface.coarsened(f64::from(side), features);
     }
@@ -408,6 +413,18 @@ fn expect_stretchable(options: &Options) -> Result<(), StretchError> {
         false if options.fit != 0.0 => Err(StretchError::Fitted),
         false if options.field.guides.is_empty() => Err(StretchError::NoGuide),
         _ => Ok(()),
+    }
+}
+
+/// The side of a tile, in model units, before the surface is known; only lengths of repairs depend on it.
+fn approximate_side(soup: &Soup, options: &Options) -> f64 {
+    match options.fineness {
+        Fineness::Points(count) => (soup.area() / count as f64).sqrt(),
+        Fineness::Size(size) => size,
+        Fineness::Sampled => {
+            let sizes = options.sizes.samples.iter().map(|sample| sample.size);
+            sizes.sum::<f64>() / options.sizes.samples.len() as f64
+        }
     }
 }
 

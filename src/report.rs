@@ -14,7 +14,7 @@ use crate::mesh::triangulate::Triangulation;
 use crate::mosaic::{Mosaic, quality::TileQuality};
 use crate::parametrize::RowEnds;
 use crate::pipeline::{Fineness, Options, Outcome};
-use crate::surface::{Curve, Denoised, Reason, Repairs, Surface};
+use crate::surface::{Contacts, Curve, Denoised, Reason, Repairs, Surface};
 use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::time::Duration;
@@ -72,6 +72,8 @@ pub struct Input {
     pub diagonal: f64,
     /// The repairs that were made on it.
     pub repairs: Repairs,
+    /// Places where its sheets touch or cross each other without being joined.
+    pub contacts: Contacts,
     /// How far its points moved when it was smoothed; `None` where it is not noisy.
     pub denoised: Option<Denoised>,
     /// Feature curves: creases and open boundaries between corners.
@@ -415,6 +417,7 @@ impl Input {
             vertices: surface.undivided().vertices,
             diagonal: surface.frame().diagonal,
             repairs: surface.repairs().clone(),
+            contacts: surface.contacts().clone(),
             denoised: surface.denoised(),
             curves: surface.features().curves().len(),
             corners: surface.features().corners().count(),

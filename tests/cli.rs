@@ -480,6 +480,8 @@ fn wrong_usage_is_told_from_failure() {
         (&["--aspect", "0.5"], "the longer side over the shorter one, a number from 1 to 20"),
         (&["--size", "0"], "a length is a number above 0"),
         (&["--size", "inf"], "a length is a number above 0"),
+        (&["--weld", "0"], "write a number above 0"),
+        (&["--fill-holes", "2t"], "write a number above 0"),
         (&["--crease", "200"], "the angle is a number from 1 to 180"),
         (&["--crease", "nan"], "the angle is a number from 1 to 180"),
         (&["--max-angle", "60"], "the angle is a number from 1 to 45"),
@@ -711,6 +713,37 @@ fn seams_are_reported_with_their_places() {
     }
     assert_eq!(report["surface"]["repairs"]["dropped_specks"]["count"], 0);
     assert_eq!(report["faults"]["list"].as_array().map(Vec::len), Some(0), "the mesh branches as the surface does");
+}
+
+#[test]
+fn a_gap_is_told_with_the_tolerance_that_sews_it() {
+    let desk = Desk::new();
+    // A unit square, and beside it another one with a side in two parts; the gap is 0.0001.
+    let squares = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1.0001 0 0\nv 2 0 0\nv 2 1 0\nv 1.0001 1 0\nv 1.0001 0.4 0\n";
+    desk.put("in.obj", format!("{squares}f 1 2 3 4\nf 5 6 7 8 9\n"));
+    let mesh = ["mesh", "in.obj", "--points", "100", "-o", "out.obj", "--report", "out.json"];
+    let run = |more: &[&str]| {
+        let output = desk.run(&[&mesh[..], more].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+        (report, text(&output.stdout), text(&output.stderr))
+    };
+    let (report, _, said) = run(&[]);
+    assert_eq!(report["faults"]["components"], 2);
+    let (_, tolerance) = said.split_once("ask for --weld ").expect(&said);
+    let tolerance = tolerance.split_whitespace().next().expect("a number");
+    let (report, figures, said) = run(&["--weld", tolerance]);
+    assert_eq!((&report["faults"]["components"], said.as_str()), (&1.into(), ""));
+    assert!(figures.contains("1 vertex inserted in rims, over gaps of at most 1.000e-4"), "{figures}");
+    assert_eq!(report["surface"]["repairs"]["sewn_vertices"]["count"], 1);
+    assert_eq!(report["surface"]["contacts"]["near_rims"], Value::Null);
+
+    // The mesh is one piece: the surface is, if it is sewn as well.
+    let check =
+        |more: &[&str]| desk.run(&[&["check", "out.obj", "--against", "in.obj"][..], more].concat()).status.code();
+    assert_eq!((check(&["--weld", tolerance]), check(&[])), (Some(0), Some(1)));
+    assert_eq!(desk.run(&["check", "out.obj", "--weld", tolerance]).status.code(), Some(2), "nothing is welded");
+    assert!(desk.refusal(1, &["mesh", "in.obj", "--weld", "1", "-o", "other.obj"]).contains("for welding"));
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod common;
 
 use common::surfaces::{example, flat};
 use glam::DVec3;
-use quadmosaic::surface::{Ends, FeatureOptions, NamedEdge, Repair, Soup, Surface, SurfaceError};
+use quadmosaic::surface::{Ends, FeatureOptions, NamedEdge, Places, Soup, Surface, SurfaceError};
 
 fn edge(ends: Ends) -> NamedEdge {
     NamedEdge { ends, name: "edges.txt, line 3".to_owned() }
@@ -103,7 +103,7 @@ fn named_edges_are_there_at_any_size_of_tiles() {
 }
 
 /// The places are these, up to what f32 loses on the way.
-fn at(repair: &Repair, places: &[[f64; 3]], size: f64) -> bool {
+fn at(repair: &Places, places: &[[f64; 3]], size: f64) -> bool {
     repair.count == places.len()
         && repair.at.iter().zip(places).all(|(a, b)| DVec3::from(*a).distance(DVec3::from(*b)) < 1e-6 * size)
 }

@@ -3,10 +3,12 @@
 use super::features::FeatureArguments;
 use super::input::Input;
 use super::output::{Output, expect_writable, print_beside, write_json};
+use super::repairs::RepairArguments;
 use super::summary;
 use anyhow::{Context, bail};
 use clap::Args;
-use quadmosaic::mesh::read_mesh;
+use quadmosaic::mesh::quality::Quality;
+use quadmosaic::mesh::{Mesh, read_mesh};
 use quadmosaic::report::CheckReport;
 use quadmosaic::surface::Surface;
 use std::path::{Path, PathBuf};
@@ -19,7 +21,8 @@ use std::path::{Path, PathBuf};
 /// two from each other, and of the surface's features from the mesh's edges. The mesh may branch where sheets of the surface
 /// meet. The exit code is 1 where there is a fault or a difference.
 #[derive(Args)]
-#[command(after_help = EXAMPLES, mut_group("FeatureArguments", |features| features.requires("against")))]
+#[command(after_help = EXAMPLES, mut_group("FeatureArguments", |features| features.requires("against")),
+    mut_group("RepairArguments", |repairs| repairs.requires("against")))]
 pub struct Arguments {
     /// The mesh: an OBJ, PLY or STL file, told apart by content
     #[arg(value_name = "MESH")]
@@ -29,6 +32,8 @@ pub struct Arguments {
     against: Option<Input>,
     #[command(flatten)]
     features: FeatureArguments,
+    #[command(flatten)]
+    repairs: RepairArguments,
     /// Write the printed figures, and every fault, as JSON; -: to standard output
     #[arg(long, value_name = "FILE.json")]
     report: Option<Output>,
@@ -43,7 +48,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.expect_writable()?;
     let mesh = read_mesh(&arguments.mesh)?;
     let name = arguments.mesh.display().to_string();
-    let surface = arguments.against.as_ref().map(|input| arguments.surface(input)).transpose()?;
+    let surface = arguments.against.as_ref().map(|input| arguments.surface(input, &mesh)).transpose()?;
     let against = surface.as_ref().map(|(name, surface)| (name.as_str(), surface));
     let report = CheckReport::new(&name, &mesh, against);
     if let Some(output) = &arguments.report {
@@ -66,10 +71,13 @@ impl Arguments {
         expect_writable(report, &taken)
     }
 
-    fn surface(&self, input: &Input) -> anyhow::Result<(String, Surface)> {
+    fn surface(&self, input: &Input, mesh: &Mesh) -> anyhow::Result<(String, Surface)> {
         let (soup, name, options) = (input.read(None)?, input.to_string(), self.features.options());
         let edges = self.features.edges()?;
-        let surface = Surface::new(&soup, &options).and_then(|surface| surface.with_edges(&soup, &edges, &options));
+        // A tile is as large as the mesh's faces.
+        let side = Quality::of(mesh).mean_edge;
+        let surface = Surface::repaired(&soup, &options, &self.repairs.options(), side)
+            .and_then(|surface| surface.with_edges(&soup, &edges, &options));
         Ok((name.clone(), surface.context(name)?))
     }
 }

@@ -5,6 +5,7 @@ use super::field_arguments::{FieldArguments, warn_of};
 use super::fineness::FinenessArguments;
 use super::input::Source;
 use super::output::{Output, expect_writable, field_path, print_beside, write_json};
+use super::repairs::warn_of_repairs;
 use super::summary;
 use anyhow::Context;
 use clap::Args;
@@ -60,6 +61,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let options = Options {
         features: directions.features(),
+        repairs: directions.repairs(),
         edges: directions.edges()?,
         field: directions.field()?,
         sizes: fineness.sizes()?,
@@ -84,5 +86,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         print_beside(report_path, &summary::of_field(&report))?;
     }
     warn_of(field.guides());
+    warn_of_repairs(&surface);
     Ok(())
 }

@@ -2,15 +2,18 @@
 
 use super::features::FeatureArguments;
 use super::numbers::{degrees, number};
+use super::repairs::RepairArguments;
 use clap::Args;
 use quadmosaic::field::{Align, FieldOptions, Guide, GuideReport, read_guides};
-use quadmosaic::surface::{FeatureOptions, NamedEdge};
+use quadmosaic::surface::{FeatureOptions, NamedEdge, RepairOptions};
 use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct FieldArguments {
     #[command(flatten)]
     features: FeatureArguments,
+    #[command(flatten)]
+    repairs: RepairArguments,
     /// Angle in degrees (1 to 180) by which a smooth surface must turn within one tile for the line of sharpest turn to carry
     /// a row, as on the nose of a wing; 180: none does
     #[arg(long, value_name = "ANGLE", default_value_t = 60.0, value_parser = degrees::<180>, help_heading = "Rows")]
@@ -42,6 +45,11 @@ impl FieldArguments {
     /// Where a file of edges cannot be read.
     pub fn edges(&self) -> anyhow::Result<Vec<NamedEdge>> {
         self.features.edges()
+    }
+
+    /// The repairs of the surface.
+    pub fn repairs(&self) -> RepairOptions {
+        self.repairs.options()
     }
 
     /// The constraints of the field beside features.

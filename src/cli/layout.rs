@@ -44,6 +44,7 @@ impl LayoutArguments {
     pub fn options(&self, directions: &FieldArguments, rest: Options) -> anyhow::Result<Options> {
         Ok(Options {
             features: directions.features(),
+            repairs: directions.repairs(),
             edges: directions.edges()?,
             field: directions.field()?,
             rows: self.rows(),

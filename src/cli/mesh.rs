@@ -9,6 +9,7 @@ use super::mesh_output::MeshOutput;
 use super::numbers::{degrees, distance, up_to};
 use super::output::{Output, expect_writable, picture_path, print_beside, write_json};
 use super::picture;
+use super::repairs::warn_of_repairs;
 use super::summary;
 use anyhow::Context;
 use clap::{Args, CommandFactory, ValueEnum, error::ErrorKind};
@@ -20,7 +21,6 @@ use quadmosaic::mesh::fill;
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
-use quadmosaic::surface::{Repairs, shown};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -157,7 +157,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     warn_of(outcome.field.guides());
     warn_of_stretch(report.field.stretch.as_ref());
-    warn_of_repairs(&report.surface.repairs);
+    warn_of_repairs(&outcome.surface);
     if let Some(wrong) = wrong {
         eprintln!("warning: {}: {wrong}", arguments.output.output);
     }
@@ -165,24 +165,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         eprintln!("warning: {warning}");
     }
     Ok(())
-}
-
-/// Warns of repairs that show in the mesh: sheets that meet, and parts that are left out.
-fn warn_of_repairs(repairs: &Repairs) {
-    if let Some(place) = repairs.joined_edges.at.first() {
-        let edges = summary::counted(repairs.joined_edges.count, "edge");
-        eprintln!(
-            "warning: {edges} of more than two triangles, the first at {}; sheets meet there, in the mesh too",
-            shown(place)
-        );
-    }
-    if let Some(place) = repairs.dropped_specks.at.first() {
-        let parts = summary::counted(repairs.dropped_specks.count, "part");
-        eprintln!(
-            "warning: {parts} too small to have a shape left out, the first at {}; mesh small parts apart",
-            shown(place)
-        );
-    }
 }
 
 /// A number of vertices that misses the wanted one by a larger share is a warning.

@@ -16,6 +16,7 @@ mod mosaic;
 mod numbers;
 mod output;
 mod picture;
+mod repairs;
 mod study;
 mod summary;
 

@@ -6,6 +6,7 @@ use super::fineness::FinenessArguments;
 use super::input::Source;
 use super::layout::{LayoutArguments, warn_of_stretch};
 use super::output::{Output, expect_writable, picture_path, print_beside, tiles_path, write_json};
+use super::repairs::warn_of_repairs;
 use super::{picture, summary};
 use anyhow::Context;
 use clap::Args;
@@ -77,6 +78,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let options = Options {
         features: directions.features(),
+        repairs: directions.repairs(),
         edges: directions.edges()?,
         field: directions.field()?,
         sizes: fineness.sizes()?,
@@ -118,6 +120,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         print_beside(report_file, &summary::of_mosaic(&report))?;
     }
     warn_of(field.guides());
+    warn_of_repairs(&surface);
     warn_of_stretch(report.field.stretch.as_ref());
     Ok(())
 }

@@ -150,7 +150,7 @@ fn repaired(input: &Input) -> String {
     let noise = input
         .denoised
         .map(|Denoised { mean, largest }| format!("noise smoothed: points moved by {mean:.3e}, at most {largest:.3e}"));
-    let repairs = Some(repairs(&input.repairs)).filter(|text| noise.is_none() || text != "none");
+    let repairs = Some(repairs(&input.repairs, input.diagonal)).filter(|text| noise.is_none() || text != "none");
     repairs.into_iter().chain(noise).collect::<Vec<_>>().join("; ")
 }
 
@@ -185,12 +185,19 @@ fn field(figures: &FieldFigures) -> String {
     format!("{free}{corners}, the sum of indices is {}{guides}{stretch}", figures.index_sum)
 }
 
-fn repairs(repairs: &Repairs) -> String {
+/// Gaps below this, in diagonals, are none at the precision of computation.
+const ROUNDING: f64 = 1e-7;
+
+fn repairs(repairs: &Repairs, diagonal: f64) -> String {
     let said: Vec<_> = [
         (&repairs.welded_points, "point", "welded"),
+        (&repairs.sewn_vertices, "vertex", "inserted in rims"),
+        (&repairs.imprinted_edges, "edge", "of rims joined to sheets"),
         (&repairs.degenerate_triangles, "triangle", "without area dropped"),
         (&repairs.duplicate_triangles, "repeated triangle", "dropped"),
         (&repairs.dropped_specks, "part", "too small to have a shape dropped"),
+        (&repairs.dropped_parts, "small part", "dropped"),
+        (&repairs.filled_holes, "hole", "filled"),
         (&repairs.flipped_triangles, "triangle", "turned over"),
         (&repairs.flipped_caps, "triangle", "without height flipped"),
         (&repairs.joined_edges, "edge", "of more than two triangles kept"),
@@ -201,6 +208,10 @@ fn repairs(repairs: &Repairs) -> String {
     .filter(|(count, ..)| *count > 0)
     .map(|(count, what, done)| format!("{} {done}", counted(count, what)))
     .collect();
+    // What is rounding is not told.
+    let gap = Some(repairs.largest_gap).filter(|gap| *gap > ROUNDING * diagonal);
+    let gap = gap.map(|gap| format!("over gaps of at most {gap:.3e}"));
+    let said: Vec<String> = said.into_iter().chain(gap).collect();
     if said.is_empty() { "none".to_owned() } else { said.join(", ") }
 }
 

@@ -4,6 +4,9 @@ use super::split::Split;
 use super::{Frame, Soup, Surface};
 use glam::{DVec3, Vec3};
 
+/// A vertex nearer than this to a corner of the input, in diagonals, is that corner: some roundings of f32.
+const SAME: f64 = 1e-6;
+
 /// What a surface has of its input.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Given {
@@ -30,7 +33,12 @@ impl Given {
                 }
             }
         }
-        Self { points: found.into_iter().map(|(_, given)| given).collect(), triangles: sources }
+        // Vertices that repairs add have no corner of the input.
+        let model = |(&point, (distance, given)): (&Vec3, (f64, [f64; 3]))| match distance <= SAME * SAME {
+            true => given,
+            false => frame.to_model(point.as_dvec3().into()),
+        };
+        Self { points: points.iter().zip(found).map(model).collect(), triangles: sources }
     }
 
     /// That of the parts of a surface's triangles.

@@ -7,21 +7,30 @@
 
 mod adjacency;
 mod apexes;
+mod boxes;
 mod bridges;
 mod caps;
 mod coarsen;
+mod constrained;
+mod contacts;
 pub(crate) mod curvature;
 mod curve;
+mod cuts;
 mod denoise;
 mod divide;
 mod edge_file;
+mod edges;
 pub mod examples;
 mod features;
 pub(crate) mod girth;
 mod given;
+mod holes;
+mod imprint;
 pub mod load;
+mod mend;
 mod named_edges;
 pub(crate) mod nearest;
+mod parts;
 mod persistence;
 pub(crate) mod polygon;
 pub(crate) mod records;
@@ -29,18 +38,20 @@ mod regions;
 mod repairs;
 mod ridges;
 pub(crate) mod sampling;
+mod sew;
 mod split;
 mod turning;
 mod walk;
 mod weld;
 
+pub use contacts::{Contacts, NearRims};
 pub use curve::Curve;
 pub(crate) use curve::shared_curves;
 pub use denoise::Denoised;
 pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use features::{DroppedEdge, FeatureOptions, Features, Reason};
 pub use regions::Regions;
-pub use repairs::{Repair, Repairs};
+pub use repairs::{Length, Places, RepairOptions, Repairs};
 pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
 
 use crate::geometry::{cross, dot, unit};
@@ -62,6 +73,16 @@ pub struct Soup {
     pub triangles: Vec<[u32; 3]>,
     /// Which named part each triangle belongs to.
     pub regions: Regions,
+}
+
+impl Soup {
+    /// The area of the triangles whose corners are there, in model units squared.
+    pub fn area(&self) -> f64 {
+        let area = |&[a, b, c]: &[DVec3; 3]| (b - a).cross(c - a).length() / 2.0;
+        let corner = |index: u32| self.points.get(index as usize).copied().map(DVec3::from);
+        let corners = self.triangles.iter().filter_map(|&[a, b, c]| Some([corner(a)?, corner(b)?, corner(c)?]));
+        corners.map(|corners| area(&corners)).sum()
+    }
 }
 
 /// The map between model units and the unit-sized coordinates that the mesher computes in.
@@ -106,6 +127,27 @@ pub enum SurfaceError {
     NoArea {
         /// Triangles that were given.
         given: usize,
+    },
+    /// A length of the repairs is none.
+    #[error("{length} of the model's diagonal is no length for {name}; give one above 0{}", upper_limit(*.most))]
+    RepairLength {
+        /// The repair.
+        name: &'static str,
+        /// The length, in diagonals of the bounding box.
+        length: f64,
+        /// The largest, in diagonals of the bounding box.
+        most: f64,
+    },
+    /// Each part of the surface is smaller than those that are to be dropped.
+    #[error(
+        "no part of the surface is left: the largest is {largest:.6e} across, and those below {limit:.6e} are to be dropped; \
+         give a smaller limit"
+    )]
+    AllPartsSmall {
+        /// The limit, in model units.
+        limit: f64,
+        /// The diagonal of the largest part's bounding box, in model units.
+        largest: f64,
     },
     /// The triangles of one component cannot be oriented alike.
     #[error("the surface is not orientable: a one-sided strip passes triangle {triangle} at {}; cut it open there", shown(.at))]
@@ -162,6 +204,10 @@ pub enum SurfaceError {
     },
 }
 
+fn upper_limit(most: f64) -> String {
+    if most < f64::MAX { format!(" and of at most {most} of it") } else { String::new() }
+}
+
 /// A place in messages: seven significant digits are enough to find it.
 pub fn shown(place: &[f64; 3]) -> String {
     let [x, y, z] = place.map(|x| format!("{x:.6e}").parse().unwrap_or(x) + 0.0);
@@ -190,6 +236,7 @@ pub struct Surface {
     undivided: Undivided,
     frame: Frame,
     repairs: Repairs,
+    contacts: Contacts,
 }
 
 impl Surface {
@@ -198,7 +245,21 @@ impl Surface {
     /// # Errors
     /// Where nothing is left to mesh, or where triangles cannot be oriented alike.
     pub fn new(soup: &Soup, options: &FeatureOptions) -> Result<Self, SurfaceError> {
-        let Welded { frame, mut points, mut triangles, sources, mut repairs } = weld::weld(soup)?;
+        Self::repaired(soup, options, &RepairOptions::default(), 0.0)
+    }
+
+    /// As [`Surface::new`], with repairs; `side`, the side of a tile in model units, is the unit of [`Length::Tiles`].
+    ///
+    /// # Errors
+    /// As [`Surface::new`], and where a length of the repairs is none.
+    pub fn repaired(
+        soup: &Soup,
+        options: &FeatureOptions,
+        repairs: &RepairOptions,
+        side: f64,
+    ) -> Result<Self, SurfaceError> {
+        let Welded { frame, points, mut triangles, sources, mut repairs } = mend::mended(soup, repairs, side)?;
+        let mut points: Vec<Vec3> = points.iter().map(|&p| on_grid(p)).collect();
         let Adjacency { mut twins, seams, same_place } =
             adjacency::orient(&mut points, &mut triangles, &frame, &mut repairs)?;
         let regions = soup.regions.of(&sources);
@@ -219,6 +280,7 @@ impl Surface {
             undivided: Undivided::default(),
             frame,
             repairs,
+            contacts: Contacts::default(),
         };
         if options.region_borders {
             surface.name(surface.region_borders());
@@ -226,6 +288,12 @@ impl Surface {
         surface.features = Features::find(&surface, options);
         surface.undivided = Undivided { triangles: surface.triangle_count(), vertices: surface.vertex_count() };
         Ok(surface)
+    }
+
+    /// The same surface after a search for contacts; `side` is that of a tile, unit-sized.
+    pub fn with_contacts(mut self, side: f64) -> Self {
+        self.contacts = contacts::contacts(&self, side);
+        self
     }
 
     /// The same surface with these edges as features; `soup` is what it was made of.
@@ -326,6 +394,11 @@ impl Surface {
         &self.repairs
     }
 
+    /// Places where sheets touch or cross each other without being joined, as [`Surface::with_contacts`] found them.
+    pub fn contacts(&self) -> &Contacts {
+        &self.contacts
+    }
+
     /// Feature edges, curves and corners.
     pub fn features(&self) -> &Features {
         &self.features
@@ -421,6 +494,13 @@ impl Surface {
         let [a, b] = [self.origin(half_edge), self.target(half_edge)].map(|v| self.points[v as usize].as_dvec3());
         a.distance(b)
     }
+}
+
+/// The nearest point whose coordinates are multiples of 2^-24, the resolution of f32 at the rim of the bounding box. With a finer
+/// middle, the mesh of a model would depend on its distance from the origin.
+fn on_grid(p: DVec3) -> Vec3 {
+    const STEPS: f64 = (1 << 24) as f64;
+    ((p * STEPS).round() / STEPS).as_vec3()
 }
 
 /// The numbers of triangles and vertices of a surface after repairs, before triangles were divided along ridges and where they

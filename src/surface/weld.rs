@@ -1,30 +1,60 @@
-//! Merges points at one place, and drops degenerate triangles and parts that are too small for f32.
+//! Merges points at one place, and drops degenerate triangles and repeated ones.
 
 use super::{Frame, Repairs, Soup, SurfaceError};
-use crate::sets::Sets;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Points nearer than this, in diagonals of the bounding box, are merged: the resolution of f32 in unit-sized coordinates.
 const WELD: f64 = 1e-7;
-
-/// A part that is smaller than this along every axis, in diagonals of the bounding box, is dropped: it has some hundred steps of
-/// f32.
-const SPECK: f64 = 1e-5;
+/// Coordinates that differ by so many steps of f32 are the same, where all of a file have single precision.
+const STEPS: f32 = 4.0;
+/// The most that these steps are, in diagonals: far from the origin they are larger than a shape's details.
+const MOST_ROUNDING: f64 = 1e-6;
 
 /// Unit-sized points without duplicates, and the triangles with three different corners.
 pub(super) struct Welded {
     pub frame: Frame,
-    pub points: Vec<Vec3>,
+    pub points: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
     /// The index of each triangle in the soup.
     pub sources: Vec<u32>,
     pub repairs: Repairs,
 }
 
-/// Merges points at one place, and drops triangles without area and duplicates.
-pub(super) fn weld(soup: &Soup) -> Result<Welded, SurfaceError> {
-    let mut repairs = Repairs::default();
+impl Welded {
+    /// Drops triangles that are there more than once.
+    pub fn drop_repeated(&mut self) {
+        let Self { frame, points, triangles, sources, repairs } = self;
+        let mut seen = FxHashSet::default();
+        let kept: Vec<usize> = (0..triangles.len())
+            .filter(|&t| {
+                let mut key = triangles[t];
+                key.sort_unstable();
+                let is_new = seen.insert(key);
+                if !is_new {
+                    repairs.duplicate_triangles.note(|| frame.near(points[key[0] as usize].into()));
+                }
+                is_new
+            })
+            .collect();
+        *triangles = kept.iter().map(|&t| triangles[t]).collect();
+        *sources = kept.iter().map(|&t| sources[t]).collect();
+    }
+
+    /// Whether any triangle has an area.
+    pub fn has_area(&self) -> bool {
+        self.triangles.iter().any(|t| {
+            let [a, b, c] = t.map(|v| self.points[v as usize]);
+            (b - a).cross(c - a).length() > f64::EPSILON
+        })
+    }
+}
+
+/// The frame of the points that triangles use, and which these are.
+///
+/// # Errors
+/// Where there are no triangles, or coordinates cannot be computed with.
+pub(super) fn frame(soup: &Soup) -> Result<(Frame, Vec<bool>), SurfaceError> {
     let mut used = vec![false; soup.points.len()];
     for (triangle, corners) in soup.triangles.iter().enumerate() {
         for &index in corners {
@@ -35,12 +65,18 @@ pub(super) fn weld(soup: &Soup) -> Result<Welded, SurfaceError> {
             })? = true;
         }
     }
-    for (point, _) in soup.points.iter().zip(&used).filter(|&(_, &used)| !used) {
+    Ok((frame_of(soup, &used)?, used))
+}
+
+/// Merges used points no farther apart than `tolerance`, in diagonals, or at one place; drops triangles without area and
+/// repeated ones.
+pub(super) fn weld(soup: &Soup, frame: Frame, used: &[bool], tolerance: Option<f64>) -> Welded {
+    let mut repairs = Repairs::default();
+    for (point, _) in soup.points.iter().zip(used).filter(|&(_, &used)| !used) {
         repairs.unused_points.note(|| *point);
     }
-    let frame = frame_of(soup, &used)?;
-
-    let (place, points) = join(soup, &used, &frame, &mut repairs);
+    let (place, points) =
+        join(soup, used, &frame, tolerance.unwrap_or_else(|| rounding(soup, used, &frame)).max(WELD), &mut repairs);
     let mut seen = FxHashSet::default();
     let mut triangles = Vec::with_capacity(soup.triangles.len());
     let mut sources = Vec::with_capacity(soup.triangles.len());
@@ -61,67 +97,7 @@ pub(super) fn weld(soup: &Soup) -> Result<Welded, SurfaceError> {
             repairs.duplicate_triangles.note(first);
         }
     }
-    let speck = specks(&points, &triangles);
-    let part_place = |t: usize| soup.points[soup.triangles[sources[t] as usize][0] as usize];
-    for (part, _) in speck.firsts.iter().zip(&speck.is_speck).filter(|&(_, &speck)| speck) {
-        repairs.dropped_specks.note(|| part_place(*part as usize));
-    }
-    let keep = |t: &usize| !speck.is_speck[speck.part[*t] as usize];
-    if repairs.dropped_specks.count > 0 {
-        sources = (0..triangles.len()).filter(keep).map(|t| sources[t]).collect();
-        triangles = (0..triangles.len()).filter(keep).map(|t| triangles[t]).collect();
-    }
-    let any_area = triangles.iter().any(|t| {
-        let [a, b, c] = t.map(|v| points[v as usize]);
-        (b - a).cross(c - a).length() > f64::EPSILON
-    });
-    if !any_area {
-        return Err(SurfaceError::NoArea { given: soup.triangles.len() });
-    }
-    Ok(Welded { frame, points: points.iter().map(|&p| on_grid(p)).collect(), triangles, sources, repairs })
-}
-
-/// The nearest point whose coordinates are multiples of 2^-24, the resolution of f32 at the rim of the bounding box. With a finer
-/// middle, the mesh of a model would depend on its distance from the origin.
-fn on_grid(p: DVec3) -> Vec3 {
-    const STEPS: f64 = (1 << 24) as f64;
-    ((p * STEPS).round() / STEPS).as_vec3()
-}
-
-/// The connected parts.
-struct Parts {
-    /// The part of each triangle.
-    part: Vec<u32>,
-    /// A triangle of each part.
-    firsts: Vec<u32>,
-    /// Whether each part is too small to have a shape.
-    is_speck: Vec<bool>,
-}
-
-fn specks(points: &[DVec3], triangles: &[[u32; 3]]) -> Parts {
-    let mut sets = Sets::new(points.len());
-    for &[a, b, c] in triangles {
-        sets.join(a, b);
-        sets.join(b, c);
-    }
-    let mut number = vec![super::NONE; points.len()];
-    let mut parts = Parts { part: Vec::with_capacity(triangles.len()), firsts: Vec::new(), is_speck: Vec::new() };
-    let mut boxes: Vec<[DVec3; 2]> = Vec::new();
-    for (t, corners) in triangles.iter().enumerate() {
-        let id = &mut number[sets.root(corners[0]) as usize];
-        if *id == super::NONE {
-            *id = boxes.len() as u32;
-            boxes.push([DVec3::INFINITY, DVec3::NEG_INFINITY]);
-            parts.firsts.push(t as u32);
-        }
-        let [low, high] = &mut boxes[*id as usize];
-        for &v in corners {
-            (*low, *high) = (low.min(points[v as usize]), high.max(points[v as usize]));
-        }
-        parts.part.push(*id);
-    }
-    parts.is_speck = boxes.iter().map(|[low, high]| (*high - *low).max_element() < SPECK).collect();
-    parts
+    Welded { frame, points, triangles, sources, repairs }
 }
 
 fn frame_of(soup: &Soup, used: &[bool]) -> Result<Frame, SurfaceError> {
@@ -146,26 +122,38 @@ fn frame_of(soup: &Soup, used: &[bool]) -> Result<Frame, SurfaceError> {
     Ok(Frame { centre: (low + extent / 2.0).into(), diagonal })
 }
 
-/// The index of each used point among the joined points, and these, in unit-sized coordinates.
-fn join(soup: &Soup, used: &[bool], frame: &Frame, repairs: &mut Repairs) -> (Vec<u32>, Vec<DVec3>) {
-    let cell = 4.0 * WELD;
+/// The distance, in diagonals, over which coordinates of single precision differ by rounding; 0 for others.
+fn rounding(soup: &Soup, used: &[bool], frame: &Frame) -> f64 {
+    let mut coordinates = soup.points.iter().zip(used).filter(|&(_, &used)| used).flat_map(|(point, _)| *point);
+    let largest =
+        coordinates.try_fold(0.0f32, |most, x| (f64::from(x as f32) == x).then_some(most.max((x as f32).abs())));
+    let step = largest.map_or(0.0, |largest| largest.next_up() - largest);
+    (f64::from(STEPS * step) / frame.diagonal).min(MOST_ROUNDING)
+}
+
+/// The index of each used point among the joined points, and these, in unit-sized coordinates. Joined points are farther
+/// apart than the tolerance.
+fn join(soup: &Soup, used: &[bool], frame: &Frame, tolerance: f64, repairs: &mut Repairs) -> (Vec<u32>, Vec<DVec3>) {
+    let cell = 4.0 * tolerance;
     let mut points: Vec<DVec3> = Vec::new();
     let mut cells: FxHashMap<[i64; 3], Vec<u32>> = FxHashMap::default();
     let mut place = vec![super::NONE; soup.points.len()];
+    let mut widest: f64 = 0.0;
     for (index, point) in soup.points.iter().enumerate().filter(|&(i, _)| used[i]) {
         let p = DVec3::from(frame.to_unit(*point));
-        let [low, high] = [p - WELD, p + WELD].map(|q| (q / cell).floor().as_i64vec3().to_array());
+        let [low, high] = [p - tolerance, p + tolerance].map(|q| (q / cell).floor().as_i64vec3().to_array());
         let mut found = None;
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
                     let near = cells.get(&[x, y, z]).into_iter().flatten().copied();
-                    found = near.filter(|&i| points[i as usize].distance(p) <= WELD).chain(found).min();
+                    found = near.filter(|&i| points[i as usize].distance(p) <= tolerance).chain(found).min();
                 }
             }
         }
         place[index] = if let Some(found) = found {
             repairs.welded_points.note(|| *point);
+            widest = widest.max(points[found as usize].distance(p));
             found
         } else {
             points.push(p);
@@ -174,5 +162,6 @@ fn join(soup: &Soup, used: &[bool], frame: &Frame, repairs: &mut Repairs) -> (Ve
             new
         };
     }
+    repairs.largest_gap = widest * frame.diagonal;
     (place, points)
 }

@@ -1,0 +1,166 @@
+//! A tree of the bounding boxes of triangles, for pairs that may touch.
+//!
+//! # Theory
+//! Lauterbach et al., "Fast BVH construction on GPUs", 2009: triangles in the order of a space-filling curve are the leaves of a
+//! tree. Here it is a complete binary one, so that no pointers are kept.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Triangles a leaf.
+const LEAF: usize = 4;
+
+/// The most nodes that wait in a search: one a level, of at most 2^32 leaves.
+const MOST_WAITING: usize = 34;
+
+/// A box, from its lowest corner to its highest one.
+#[derive(Clone, Copy)]
+pub(super) struct Bounds {
+    pub low: Vec3,
+    pub high: Vec3,
+}
+
+impl Bounds {
+    const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+
+    /// The box of some points.
+    pub fn of(points: &[Vec3]) -> Self {
+        points.iter().fold(Self::EMPTY, |all, &p| Self { low: all.low.min(p), high: all.high.max(p) })
+    }
+
+    /// The box with a margin.
+    pub fn grown(self, margin: f32) -> Self {
+        Self { low: self.low - margin, high: self.high + margin }
+    }
+
+    fn joined(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    }
+}
+
+/// The tree.
+pub(super) struct Boxes {
+    /// The triangles, in the order of the curve.
+    order: Vec<u32>,
+    /// The box of each of them, in that order.
+    boxes: Vec<Bounds>,
+    /// The boxes of the nodes: the root is 1, the children of `k` are `2 k` and `2 k + 1`.
+    nodes: Vec<Bounds>,
+}
+
+impl Boxes {
+    /// Sorts triangles in unit-sized coordinates.
+    pub fn new(points: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let bounds = |t: u32| Bounds::of(&triangles[t as usize].map(|v| points[v as usize]));
+        let mut keys: Vec<(u64, u32)> = (0..triangles.len() as u32)
+            .into_par_iter()
+            .map(|t| {
+                let Bounds { low, high } = bounds(t);
+                (curve_key((low + high) / 2.0), t)
+            })
+            .collect();
+        keys.par_sort_unstable();
+        let order: Vec<u32> = keys.iter().map(|key| key.1).collect();
+        let boxes: Vec<Bounds> = order.par_iter().map(|&t| bounds(t)).collect();
+        let leaves = order.len().div_ceil(LEAF).next_power_of_two();
+        let mut nodes = vec![Bounds::EMPTY; 2 * leaves];
+        for (node, chunk) in nodes[leaves..].iter_mut().zip(boxes.chunks(LEAF)) {
+            *node = chunk.iter().fold(Bounds::EMPTY, |all, one| all.joined(*one));
+        }
+        for k in (1..leaves).rev() {
+            nodes[k] = nodes[2 * k].joined(nodes[2 * k + 1]);
+        }
+        Self { order, boxes, nodes }
+    }
+
+    /// Calls `found` for the triangles whose boxes meet this one, from a place in the order on.
+    fn search(&self, wanted: &Bounds, from: usize, mut found: impl FnMut(usize)) {
+        let leaves = self.nodes.len() / 2;
+        // A node, and the places of its leaves.
+        let mut stack = [(1, 0, leaves); MOST_WAITING];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let (node, first, last) = stack[waiting];
+            if last * LEAF <= from || !self.nodes[node].meets(wanted) {
+                continue;
+            }
+            if node >= leaves {
+                let places = (first * LEAF).max(from)..(last * LEAF).min(self.order.len());
+                places.filter(|&place| self.boxes[place].meets(wanted)).for_each(&mut found);
+            } else {
+                let middle = usize::midpoint(first, last);
+                stack[waiting] = (2 * node + 1, middle, last);
+                stack[waiting + 1] = (2 * node, first, middle);
+                waiting += 2;
+            }
+        }
+    }
+
+    /// The triangles whose boxes meet this one.
+    pub fn meeting(&self, wanted: &Bounds) -> Vec<u32> {
+        let mut found = Vec::new();
+        self.search(wanted, 0, |place| found.push(self.order[place]));
+        found
+    }
+
+    /// What `test` finds for the pairs of triangles whose boxes are no farther apart than `margin`, sorted; each pair is tested
+    /// once.
+    pub fn pairs<T: Send + Ord>(&self, margin: f32, test: impl Fn(u32, u32) -> Option<T> + Sync) -> Vec<T> {
+        let from = |place: usize| {
+            let (mut of_pairs, t) = (Vec::new(), self.order[place]);
+            self.search(&self.boxes[place].grown(margin), place + 1, |other| {
+                of_pairs.extend(test(t, self.order[other]));
+            });
+            of_pairs
+        };
+        let mut found: Vec<T> = (0..self.order.len()).into_par_iter().flat_map_iter(from).collect();
+        found.par_sort_unstable();
+        found
+    }
+}
+
+/// The place of a point along the Z curve: the interleaved bits of its coordinates, which are from -0.5 to 0.5.
+fn curve_key(point: Vec3) -> u64 {
+    let spread = |x: f32| {
+        let mut bits = ((x + 0.5).clamp(0.0, 1.0) * ((1 << 21) - 1) as f32) as u64;
+        for (shift, mask) in [
+            (32, 0x001f_0000_0000_ffff),
+            (16, 0x001f_0000_ff00_00ff),
+            (8, 0x100f_00f0_0f00_f00f),
+            (4, 0x10c3_0c30_c30c_30c3),
+            (2, 0x1249_2492_4924_9249),
+        ] {
+            bits = (bits | (bits << shift)) & mask;
+        }
+        bits
+    };
+    spread(point.x) | (spread(point.y) << 1) | (spread(point.z) << 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::examples::Example;
+
+    #[test]
+    fn the_tree_finds_the_pairs_that_a_search_of_all_finds() {
+        let soup = "m6".parse::<Example>().expect("an example").generate(1_500);
+        let surface = crate::surface::Surface::new(&soup, &crate::surface::FeatureOptions::default()).expect("a wing");
+        let (points, triangles) = (&surface.points, &surface.triangles);
+        let boxes = Boxes::new(points, triangles);
+        let bounds: Vec<Bounds> = triangles.iter().map(|t| Bounds::of(&t.map(|v| points[v as usize]))).collect();
+        for margin in [0.0, 0.01] {
+            let found = boxes.pairs(margin, |s, t| Some([s.min(t), s.max(t)]));
+            let all = (0..triangles.len()).flat_map(|s| (s + 1..triangles.len()).map(move |t| [s, t]));
+            let near = all.filter(|&[s, t]| bounds[s].grown(margin).meets(&bounds[t]));
+            let wanted: Vec<[u32; 2]> = near.map(|pair| pair.map(|t| t as u32)).collect();
+            assert_eq!(found, wanted, "margin {margin}");
+            assert!(found.len() > 6 * triangles.len() / 2, "neighbours touch");
+        }
+    }
+}

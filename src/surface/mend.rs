@@ -1,0 +1,31 @@
+//! From soup to welded triangles: all repairs that come before orientation.
+//!
+//! # Practice
+//! The order is fixed: points are welded and rims sewn; rims are joined to the sheets that they
+//! touch; small parts are dropped; small holes are filled. So no hole of a part that
+//! goes is filled, and no gap that welding closes.
+
+use super::repairs::Limits;
+use super::weld::{Welded, frame, weld};
+use super::{RepairOptions, Soup, SurfaceError, holes, imprint, parts, sew};
+
+/// Welds the soup, and repairs it as asked; the side of a tile is in model units.
+///
+/// # Errors
+/// Where nothing is left to mesh, or a length of the options is none.
+pub(super) fn mended(soup: &Soup, options: &RepairOptions, side: f64) -> Result<Welded, SurfaceError> {
+    let (frame, used) = frame(soup)?;
+    let limits = Limits::new(options, frame.diagonal, side)?;
+    let mut welded = weld(soup, frame, &used, limits.weld);
+    if let Some(tolerance) = limits.weld {
+        sew::sew(&mut welded, tolerance);
+        if options.imprint {
+            imprint::imprint(&mut welded, tolerance);
+        }
+    }
+    parts::drop_small(&mut welded, limits.drop_parts)?;
+    if let Some(limit) = limits.fill_holes {
+        holes::fill(&mut welded, limit);
+    }
+    if welded.has_area() { Ok(welded) } else { Err(SurfaceError::NoArea { given: soup.triangles.len() }) }
+}
