@@ -13,7 +13,7 @@
 //! Call [`run`] with [`Options::new`]. Then check [`Meshed::faults`] and [`Meshed::differences`]: a mesh with either is returned
 //! all the same.
 
-use crate::compute::{Backend, ComputeError};
+use crate::compute::{Backend, ComputeError, Watched};
 use crate::field::{Align, Field, FieldOptions, Stretch, StretchError};
 use crate::mesh::check::Faults;
 use crate::mesh::compare::Difference;
@@ -28,10 +28,13 @@ use crate::mesh::{Context, Mesh, SurfaceMesh, Triangulation, VertexAttributes};
 use crate::mosaic::{self, Effort, Mosaic, MosaicBuilder};
 use crate::parametrize::Rows;
 use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
+use crate::progress::{Cancelled, Progress};
 use crate::sizes::{SizeOptions, Sizes, SizesError};
 use crate::surface::{FeatureOptions, NamedEdge, RepairOptions, Soup, Surface, SurfaceError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
+
+pub use crate::progress::{Stage, Watch, unwatched};
 
 /// The fineness of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,43 +108,6 @@ impl Options {
     }
 }
 
-/// A stage of the method, in order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Welding, orientation, adjacency, features.
-    Surface,
-    /// The cross field.
-    Field,
-    /// Laying and relaxing tiles.
-    Mosaic,
-    /// Triangulating the tiles and choosing edges.
-    Connect,
-    /// Filling holes.
-    Fill,
-    /// Optimising the connectivity: pairing triangles, recutting poor quads.
-    Connectivity,
-    /// Relocating vertices, and untangling faults.
-    Relocate,
-    /// Regions, joining of sheets, comparison with the surface.
-    Finish,
-}
-
-impl Stage {
-    /// Its name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Surface => "surface",
-            Self::Field => "field",
-            Self::Mosaic => "mosaic",
-            Self::Connect => "connect",
-            Self::Fill => "fill",
-            Self::Connectivity => "connectivity",
-            Self::Relocate => "relocate",
-            Self::Finish => "finish",
-        }
-    }
-}
-
 /// The reason why no mesh was made.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -151,16 +117,71 @@ pub enum PipelineError {
     Surface(#[from] SurfaceError),
     /// The backend failed.
     #[error(transparent)]
-    Compute(#[from] ComputeError),
+    Compute(ComputeError),
     /// The wanted sizes are invalid.
     #[error(transparent)]
     Sizes(#[from] SizesError),
     /// Tiles cannot have the wanted aspect.
     #[error(transparent)]
-    Stretch(#[from] StretchError),
-    /// The wanted fineness is invalid; the text says why.
-    #[error("{0}")]
-    Fineness(String),
+    Stretch(StretchError),
+    /// The wanted fineness is invalid.
+    #[error(transparent)]
+    Fineness(#[from] FinenessError),
+    /// The progress function cancelled the run.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl From<ComputeError> for PipelineError {
+    fn from(error: ComputeError) -> Self {
+        match error {
+            ComputeError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            error => Self::Compute(error),
+        }
+    }
+}
+
+impl From<StretchError> for PipelineError {
+    fn from(error: StretchError) -> Self {
+        match error {
+            StretchError::Compute(error) => error.into(),
+            error => Self::Stretch(error),
+        }
+    }
+}
+
+/// Why a surface cannot have a wanted fineness.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum FinenessError {
+    /// The number of vertices is none of [`POINTS`].
+    #[error("a mesh of {asked} points cannot be made; ask for {} to {}", POINTS.start(), POINTS.end())]
+    Points {
+        /// The number that was asked for.
+        asked: usize,
+    },
+    /// Tiles of the side are larger than the surface, or too many.
+    #[error("tiles of side {asked} cannot cover this surface; ask for {least:.3e} to {most:.3e}, its diagonal")]
+    Size {
+        /// The side that was asked for, in model units.
+        asked: f64,
+        /// The least side, in model units.
+        least: f64,
+        /// The diagonal of the surface, in model units.
+        most: f64,
+    },
+    /// Sizes are to give the number of vertices, and there are none.
+    #[error("no sizes are given; give some, or ask for a number of points")]
+    NoSizes,
+    /// The sizes give too many vertices.
+    #[error(
+        "the surface takes {count:.3e} tiles of the given sizes; ask for larger ones, in model units, so that {} are enough",
+        POINTS.end()
+    )]
+    SmallSizes {
+        /// The number of tiles.
+        count: f64,
+    },
 }
 
 /// The results of all stages. Coordinates are unit-sized, but for those of meshes, which are in model units.
@@ -215,39 +236,47 @@ const MOST_PARTS: usize = 8;
 /// The numbers of vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 
-/// Meshes a soup of triangles. `progress` receives each stage and the share of it that is done, from 0 to 1.
+/// Meshes a soup of triangles. `watch` receives each stage and the share of it that is done; it is called at least every tenth of a
+/// second or so, and can cancel the run.
 ///
 /// # Errors
-/// Where the surface cannot be meshed, the options are invalid, or the backend fails.
-pub fn run(
-    soup: &Soup,
-    options: &Options,
-    backend: &dyn Backend,
-    progress: &dyn Fn(Stage, f32),
-) -> Result<Outcome, PipelineError> {
-    let mut clock = Clock { progress, times: Vec::new(), started: Instant::now() };
+/// Where the surface cannot be meshed, the options are invalid, the backend fails, or `watch` cancels the run.
+pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch) -> Result<Outcome, PipelineError> {
+    let progress = &Progress::new(watch);
+    let backend = &Watched { backend, progress };
+    let mut clock = Clock::new(progress);
 
-    clock.begin(Stage::Surface);
-    let (surface, sizes, count) = prepare(soup, options)?;
+    clock.begin(Stage::Surface)?;
+    let (surface, sizes, count) = prepare_watched(soup, options, progress)?;
 
-    clock.begin(Stage::Field);
+    clock.begin(Stage::Field)?;
     let field = field(&surface, sizes, count, options, backend)?;
 
-    clock.begin(Stage::Mosaic);
-    let mosaic = lay(&surface, &field, backend, count, options, &|share| progress(Stage::Mosaic, share))?;
+    clock.begin(Stage::Mosaic)?;
+    let mosaic = lay(&surface, &field, backend, count, options, &|share| progress.advance(share))?;
 
-    clock.begin(Stage::Connect);
-    let (triangulation, context) = rayon::join(|| triangulate(&surface, &field, &mosaic), || Context::new(&surface));
-    let meshed = meshed(context, &mosaic, &triangulation, options, &mut clock);
+    clock.begin(Stage::Connect)?;
+    let context = || Context::new(&surface).watched(progress);
+    let (triangulation, context) = rayon::join(|| triangulate(&surface, &field, &mosaic), context);
+    let meshed = meshed(context, &mosaic, &triangulation, options, &mut clock)?;
 
-    let times = clock.finish();
+    let times = clock.finish()?;
     Ok(Outcome { surface, field, mosaic, triangulation, meshed, times })
 }
 
 /// The stages of [`run`] from [`Stage::Connect`] on, for tiles that are triangulated already.
-pub fn connected(surface: &Surface, mosaic: &Mosaic, triangulation: &Triangulation, options: &Options) -> Meshed {
-    let mut clock = Clock { progress: &|_, _| (), times: Vec::new(), started: Instant::now() };
-    meshed(Context::new(surface), mosaic, triangulation, options, &mut clock)
+///
+/// # Errors
+/// Where `watch` cancels the run.
+pub fn connected(
+    surface: &Surface,
+    mosaic: &Mosaic,
+    triangulation: &Triangulation,
+    options: &Options,
+    watch: &Watch,
+) -> Result<Meshed, Cancelled> {
+    let progress = &Progress::new(watch);
+    meshed(Context::new(surface).watched(progress), mosaic, triangulation, options, &mut Clock::new(progress))
 }
 
 fn meshed(
@@ -256,18 +285,18 @@ fn meshed(
     triangulation: &Triangulation,
     options: &Options,
     clock: &mut Clock,
-) -> Meshed {
+) -> Result<Meshed, Cancelled> {
     let edges = connect(triangulation, &options.connect);
 
-    clock.begin(Stage::Fill);
+    clock.begin(Stage::Fill)?;
     let (mut mesh, holes) = fill(&context, triangulation, &edges, options.holes);
     let before = joined(&context, &mesh, triangulation);
 
-    clock.begin(Stage::Connectivity);
+    clock.begin(Stage::Connectivity)?;
     let connectivity = connectivity(options, &before);
     let mut edits = connectivity.map(|connectivity| optimise(&context, &mut mesh, &connectivity));
 
-    clock.begin(Stage::Relocate);
+    clock.begin(Stage::Relocate)?;
     relocate(&context, &mut mesh, options.smoothing);
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits) {
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
@@ -286,10 +315,10 @@ fn meshed(
         opposed = mesh.opposed_faces(&context);
     }
 
-    clock.begin(Stage::Finish);
+    clock.begin(Stage::Finish)?;
     let Finished { mesh, vertices, branches, faults, differences } =
         finish(&context, &mesh, &opposed, mosaic, triangulation);
-    Meshed { before, holes, edits, mesh, vertices, branches, faults, differences }
+    Ok(Meshed { before, holes, edits, mesh, vertices, branches, faults, differences })
 }
 
 /// Where a larger share of the faces than one in so many is nearer to an opposite sheet, the surface is thinner than its tiles
@@ -319,7 +348,7 @@ fn untangle_and_relocate(
     edits: &mut EditCounts,
 ) {
     for _ in 0..UNTANGLING_ROUNDS {
-        if !untangle(context, mesh, options, edits) {
+        if context.is_cancelled() || !untangle(context, mesh, options, edits) {
             break;
         }
         relocate(context, mesh, passes);
@@ -331,14 +360,26 @@ fn untangle_and_relocate(
 /// # Errors
 /// Where the surface cannot be meshed, or the fineness, the sizes or the aspect are invalid.
 pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize), PipelineError> {
+    prepare_watched(soup, options, &Progress::new(&unwatched))
+}
+
+fn prepare_watched(
+    soup: &Soup,
+    options: &Options,
+    progress: &Progress,
+) -> Result<(Surface, Sizes, usize), PipelineError> {
     expect_stretchable(options)?;
     let features = &options.features;
     let side = approximate_side(soup, options);
     let surface =
         Surface::repaired(soup, features, &options.repairs, side)?.with_edges(soup, &options.edges, features)?;
+    progress.check()?;
     let count = count(&surface, options)?;
     let side = mosaic::side_for_count(&surface, count);
-    let mut surface = surface.with_contacts(f64::from(side)).fitted(features, side);
+    let surface = surface.with_contacts(f64::from(side));
+    progress.check()?;
+    let mut surface = surface.fitted(features, side);
+    progress.check()?;
     if surface.parts(mosaic::longest_edges(&surface, &Sizes::equal(), count, options.aspect)[0]) > MOST_PARTS * count {
         surface = surface.coarsened(f64::from(side), features);
     }
@@ -346,6 +387,7 @@ pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize)
     let count = wanted.raised(&surface, count)?;
     let mut sizes = wanted.sizes(&surface, count)?;
     for _ in 0..SIZE_ROUNDS {
+        progress.check()?;
         let longest = mosaic::longest_edges(&surface, &sizes, count, options.aspect);
         let middles;
         (surface, middles) = surface.divided(longest, features);
@@ -432,11 +474,7 @@ fn approximate_side(soup: &Soup, options: &Options) -> f64 {
 fn count(surface: &Surface, options: &Options) -> Result<usize, PipelineError> {
     match options.fineness {
         Fineness::Points(count) if POINTS.contains(&count) => Ok(count),
-        Fineness::Points(count) => Err(PipelineError::Fineness(format!(
-            "a mesh of {count} points cannot be made; ask for {} to {}",
-            POINTS.start(),
-            POINTS.end()
-        ))),
+        Fineness::Points(asked) => Err(FinenessError::Points { asked }.into()),
         Fineness::Size(size) => {
             let diagonal = surface.frame().diagonal;
             let count = mosaic::count_for_side(surface, size / diagonal);
@@ -444,51 +482,49 @@ fn count(surface: &Surface, options: &Options) -> Result<usize, PipelineError> {
                 return Ok((count.round() as usize).max(*POINTS.start()));
             }
             let least = diagonal * f64::from(mosaic::side_for_count(surface, *POINTS.end()));
-            Err(PipelineError::Fineness(format!(
-                "tiles of side {size} cannot cover this surface; ask for {least:.3e} to {diagonal:.3e}, its diagonal"
-            )))
+            Err(FinenessError::Size { asked: size, least, most: diagonal }.into())
         }
-        Fineness::Sampled if options.sizes.samples.is_empty() => {
-            Err(PipelineError::Fineness("no sizes are given; give some, or ask for a number of points".to_owned()))
-        }
+        Fineness::Sampled if options.sizes.samples.is_empty() => Err(FinenessError::NoSizes.into()),
         Fineness::Sampled => {
             let count = options.sizes.count(surface)?;
             if count <= *POINTS.end() as f64 {
                 return Ok((count.round() as usize).max(*POINTS.start()));
             }
-            Err(PipelineError::Fineness(format!(
-                "the surface takes {count:.3e} tiles of the given sizes; ask for larger ones, in model units, so that {} are enough",
-                POINTS.end()
-            )))
+            Err(FinenessError::SmallSizes { count }.into())
         }
     }
 }
 
 /// Measures the times of stages and reports their progress.
 struct Clock<'a> {
-    progress: &'a dyn Fn(Stage, f32),
+    progress: &'a Progress<'a>,
     times: Vec<(Stage, Duration)>,
     started: Instant,
 }
 
-impl Clock<'_> {
-    fn begin(&mut self, stage: Stage) {
-        self.end();
-        self.times.push((stage, Duration::ZERO));
-        (self.progress)(stage, 0.0);
+impl<'a> Clock<'a> {
+    fn new(progress: &'a Progress<'a>) -> Self {
+        Self { progress, times: Vec::new(), started: Instant::now() }
     }
 
-    fn end(&mut self) {
+    fn begin(&mut self, stage: Stage) -> Result<(), Cancelled> {
+        self.end()?;
+        self.times.push((stage, Duration::ZERO));
+        self.progress.report(stage, 0.0)
+    }
+
+    fn end(&mut self) -> Result<(), Cancelled> {
         let now = Instant::now();
         if let Some((stage, time)) = self.times.last_mut() {
             *time = now - self.started;
-            (self.progress)(*stage, 1.0);
+            self.progress.report(*stage, 1.0)?;
         }
         self.started = now;
+        Ok(())
     }
 
-    fn finish(mut self) -> Vec<(Stage, Duration)> {
-        self.end();
-        self.times
+    fn finish(mut self) -> Result<Vec<(Stage, Duration)>, Cancelled> {
+        self.end()?;
+        Ok(self.times)
     }
 }

@@ -13,7 +13,7 @@ use quadmosaic::mesh::check::check;
 use quadmosaic::mesh::quality::Quality;
 use quadmosaic::mosaic::quality::TileQuality;
 use quadmosaic::parametrize::Rows;
-use quadmosaic::pipeline::{Fineness, Options, Outcome, PipelineError, run};
+use quadmosaic::pipeline::{Fineness, Options, Outcome, PipelineError, run, unwatched};
 use quadmosaic::sizes::SizeSample;
 use quadmosaic::surface::Soup;
 use std::f64::consts::TAU;
@@ -27,7 +27,7 @@ fn options(guide: Guide, aspect: f64, rows: Rows) -> Options {
 }
 
 fn outcome(soup: &Soup, options: &Options) -> Outcome {
-    run(soup, options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"))
+    run(soup, options, &Cpu, &unwatched).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A tube of radius 1 about the z axis, from z = 0 to 3; of four flat sides where it is square.
@@ -132,7 +132,7 @@ fn without_an_aspect_a_guide_makes_squares() {
 fn what_cannot_be_stretched_is_refused() {
     let plate = flat(10, 10, 0.1);
     let inside = Guide::vector([0.5, 0.5, 0.0], [1.0, 0.0, 0.0]);
-    let refusal = |options: &Options| match run(&plate, options, &Cpu, &|_, _| {}) {
+    let refusal = |options: &Options| match run(&plate, options, &Cpu, &unwatched) {
         Err(PipelineError::Stretch(error)) => error,
         Err(other) => panic!("{other}"),
         Ok(_) => panic!("a mesh was made"),
@@ -285,7 +285,7 @@ fn both_backends_stretch_alike() {
     let soup = example("m6", 6_000);
     let options = options(Guide::vector([0.6, 0.6, 0.02], [0.45, 1.0, 0.0]), 3.0, Rows::Paper);
     let backend = GpuBackend::new(gpu).expect("kernels");
-    let on_gpu = run(&soup, &options, &backend, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
+    let on_gpu = run(&soup, &options, &backend, &unwatched).unwrap_or_else(|error| panic!("{error}"));
     let on_cpu = outcome(&soup, &options);
     if gpu.adapter().hardware {
         // Other roundings may lay a row elsewhere; the figures agree.

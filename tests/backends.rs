@@ -6,12 +6,12 @@ use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::gpu::GpuBackend;
 use quadmosaic::mesh::Mesh;
 use quadmosaic::mesh::quality::Quality;
-use quadmosaic::pipeline::{Fineness, Options, run};
+use quadmosaic::pipeline::{Fineness, Options, run, unwatched};
 use quadmosaic::surface::examples::Example;
 
 fn mesh(name: &str, points: usize, backend: &dyn Backend) -> Mesh {
     let soup = name.parse::<Example>().unwrap().generate(5000);
-    run(&soup, &Options::new(Fineness::Points(points)), backend, &|_, _| {}).unwrap().meshed.mesh
+    run(&soup, &Options::new(Fineness::Points(points)), backend, &unwatched).unwrap().meshed.mesh
 }
 
 #[test]

@@ -8,7 +8,7 @@ use quadmosaic::compute::Cpu;
 use quadmosaic::export::{Format, MeshFile, ordered, write_field_ply, write_field_vtk, write_mesh};
 use quadmosaic::field::{Field, FieldOptions, SingularityLocation};
 use quadmosaic::mesh::{Mesh, VertexKind, read_mesh};
-use quadmosaic::pipeline::{Fineness, Meshed, Options, run};
+use quadmosaic::pipeline::{Fineness, Meshed, Options, run, unwatched};
 use quadmosaic::surface::{Soup, Surface};
 use std::collections::HashMap;
 
@@ -219,7 +219,7 @@ fn turned_box(angle: f64) -> Soup {
 
 fn meshed(soup: &Soup, points: usize) -> Meshed {
     let options = Options::new(Fineness::Points(points));
-    run(soup, &options, &Cpu, &|_, _| ()).unwrap_or_else(|error| panic!("{error}")).meshed
+    run(soup, &options, &Cpu, &unwatched).unwrap_or_else(|error| panic!("{error}")).meshed
 }
 
 /// The distance of a point from the nearest of the planes of a soup's triangles.

@@ -10,16 +10,16 @@ use quadmosaic::mesh::compare::check_against;
 use quadmosaic::mesh::connectivity::{ConnectivityOptions, Quads};
 use quadmosaic::mesh::fill::Holes;
 use quadmosaic::mesh::quality::Quality;
-use quadmosaic::pipeline::{Fineness, Meshed, Options, Outcome, PipelineError, Stage, run};
+use quadmosaic::pipeline::{Fineness, Meshed, Options, Outcome, PipelineError, Stage, run, unwatched};
 use quadmosaic::surface::{Soup, SurfaceError, load};
-use std::cell::RefCell;
-use std::sync::OnceLock;
+use std::ops::ControlFlow;
+use std::sync::{Mutex, OnceLock};
 
 const POINTS: usize = 1_500;
 const TRIANGLES: usize = 5_000;
 
 fn meshed(soup: &Soup, options: &Options) -> Outcome {
-    run(soup, options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"))
+    run(soup, options, &Cpu, &unwatched).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn options() -> Options {
@@ -243,8 +243,8 @@ fn what_cannot_be_is_refused() {
     let soup = example("sphere", 1_000);
     let refused = |fineness: Fineness| {
         matches!(
-            run(&soup, &Options::new(fineness), &Cpu, &|_, _| {}).err(),
-            Some(PipelineError::Fineness(message)) if message.contains("ask for")
+            run(&soup, &Options::new(fineness), &Cpu, &unwatched).err(),
+            Some(PipelineError::Fineness(error)) if error.to_string().contains("ask for")
         )
     };
     for fineness in [0, 3, 50_000_001, usize::MAX].map(Fineness::Points) {
@@ -254,7 +254,7 @@ fn what_cannot_be_is_refused() {
         assert!(refused(fineness), "{fineness:?}");
     }
     assert!(!refused(Fineness::Points(100)) && !refused(Fineness::Size(0.3)));
-    let none = run(&Soup::default(), &options(), &Cpu, &|_, _| {}).err();
+    let none = run(&Soup::default(), &options(), &Cpu, &unwatched).err();
     assert!(matches!(none, Some(PipelineError::Surface(SurfaceError::Empty))));
 }
 
@@ -304,10 +304,11 @@ fn a_plate_far_thinner_than_a_tile_keeps_the_quads_of_its_rim() {
 
 #[test]
 fn progress_is_told_stage_by_stage() {
-    let told = RefCell::new(Vec::new());
+    let told = Mutex::new(Vec::new());
     let soup = example("sphere", 1_000);
     let outcome = run(&soup, &Options::new(Fineness::Points(300)), &Cpu, &|stage, share| {
-        told.borrow_mut().push((stage, share));
+        told.lock().expect("no call panicked").push((stage, share));
+        ControlFlow::Continue(())
     })
     .unwrap_or_else(|error| panic!("{error}"));
     let stages = [
@@ -321,7 +322,7 @@ fn progress_is_told_stage_by_stage() {
         Stage::Finish,
     ];
     assert!(outcome.times.iter().map(|t| t.0).eq(stages));
-    let told = told.into_inner();
+    let told = told.into_inner().expect("no call panicked");
     let mut order: Vec<Stage> = told.iter().map(|t| t.0).collect();
     order.dedup();
     assert_eq!(order, stages, "each stage is done before the next begins");

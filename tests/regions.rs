@@ -6,7 +6,7 @@ use common::surfaces::{distance, flat, unit_corners};
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
 use quadmosaic::mesh::Mesh;
-use quadmosaic::pipeline::{Fineness, Options, Outcome, run};
+use quadmosaic::pipeline::{Fineness, Options, Outcome, run, unwatched};
 use quadmosaic::surface::{FeatureOptions, Regions, Soup};
 
 /// A box of 2 by 1 by 1 whose sides have names, 72 triangles each.
@@ -37,7 +37,7 @@ fn named_plate() -> Soup {
 fn meshed(soup: &Soup, region_borders: bool) -> Outcome {
     let features = FeatureOptions { region_borders, ..FeatureOptions::default() };
     let options = Options { features, ..Options::new(Fineness::Points(500)) };
-    run(soup, &options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"))
+    run(soup, &options, &Cpu, &unwatched).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The share of faces whose middle does not lie on the region that they are named for.

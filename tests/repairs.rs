@@ -5,7 +5,7 @@ mod surfaces;
 
 use glam::DVec3;
 use quadmosaic::compute::Cpu;
-use quadmosaic::pipeline::{Fineness, Options, PipelineError, run};
+use quadmosaic::pipeline::{Fineness, Options, PipelineError, run, unwatched};
 use quadmosaic::surface::{FeatureOptions, Length, Regions, RepairOptions, Soup, Surface, SurfaceError};
 use std::f64::consts::{PI, TAU};
 use surfaces::{example, flat};
@@ -155,7 +155,7 @@ fn sizes_are_in_model_units_diagonals_or_sides_of_a_tile() {
     // The spheres' area is 12.7: a thousand tiles have a side of 0.113, five of 0.3 have one of 0.3.
     let parts = |fineness, size| {
         let options = Options { repairs: drop(size), ..Options::new(fineness) };
-        let outcome = run(&spheres(), &options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
+        let outcome = run(&spheres(), &options, &Cpu, &unwatched).unwrap_or_else(|error| panic!("{error}"));
         outcome.meshed.faults.components
     };
     assert_eq!(parts(Fineness::Points(1_000), Length::Tiles(2.0)), 2);
@@ -173,7 +173,7 @@ fn a_length_that_is_none_is_refused_by_name() {
         (RepairOptions { weld: Some(Length::Diagonals(0.5)), ..RepairOptions::default() }, "welding"),
     ] {
         let options = Options { repairs: wrong, ..Options::new(Fineness::Points(100)) };
-        let refusal = run(&soup, &options, &Cpu, &|_, _| {}).err();
+        let refusal = run(&soup, &options, &Cpu, &unwatched).err();
         let named = matches!(&refusal, Some(PipelineError::Surface(SurfaceError::RepairLength { name: found, .. })) if *found == name);
         assert!(named, "{wrong:?}: {:?}", refusal.map(|refusal| refusal.to_string()));
     }
@@ -195,7 +195,7 @@ fn welding(tolerance: Length) -> RepairOptions {
 /// What the whole method makes of it: Euler characteristic, boundary loops, components.
 fn meshed(soup: &Soup, points: usize, repairs: RepairOptions) -> [i64; 3] {
     let options = Options { repairs, ..Options::new(Fineness::Points(points)) };
-    let outcome = run(soup, &options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
+    let outcome = run(soup, &options, &Cpu, &unwatched).unwrap_or_else(|error| panic!("{error}"));
     assert!(outcome.meshed.differences.is_empty(), "{:?}", outcome.meshed.differences);
     let faults = outcome.meshed.faults;
     [faults.euler, faults.boundary_loops as i64, faults.components as i64]

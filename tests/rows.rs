@@ -10,7 +10,7 @@ use quadmosaic::mesh::connectivity::{ConnectivityOptions, Quads};
 use quadmosaic::mesh::quality::Quality;
 use quadmosaic::parametrize::Rows;
 use quadmosaic::parametrize::integrable_sizes::integrable_sizes;
-use quadmosaic::pipeline::{Fineness, Options, Outcome, field, prepare, run};
+use quadmosaic::pipeline::{Fineness, Options, Outcome, field, prepare, run, unwatched};
 use quadmosaic::report::Report;
 use quadmosaic::surface::{Ends, NamedEdge};
 
@@ -21,7 +21,7 @@ fn options(rows: Rows, fit: f64) -> Options {
 }
 
 fn meshed(name: &str, rows: Rows, fit: f64, backend: &dyn Backend) -> Outcome {
-    run(&example(name, 6_000), &options(rows, fit), backend, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"))
+    run(&example(name, 6_000), &options(rows, fit), backend, &unwatched).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Faces that are no quads, before any clean-up, as a share of all.
@@ -98,7 +98,7 @@ fn continuous_rows_have_the_irregular_vertices_that_the_field_demands() {
         let surplus = [Rows::Continuous, Rows::Paper].map(|rows| {
             let options = Options { connectivity, ..options(rows, 1.0) };
             let outcome =
-                run(&example(name, 6_000), &options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
+                run(&example(name, 6_000), &options, &Cpu, &unwatched).unwrap_or_else(|error| panic!("{error}"));
             let report = Report::new(name, &options, &Cpu, &outcome);
             let found = report.regularity;
             assert_eq!(found.irregular as i64, found.demanded as i64 + found.surplus, "{name}");
@@ -124,7 +124,7 @@ fn rows_run_on_past_the_ends_of_creases_half_a_tile_apart() {
     let edges = vec![crease([10, 19], 16), crease([16, 22], 17)];
     let nearest = [Rows::Continuous, Rows::Paper].map(|rows| {
         let options = Options { edges: edges.clone(), ..Options { rows, ..Options::new(Fineness::Size(1.0)) } };
-        let outcome = run(&soup, &options, &Cpu, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
+        let outcome = run(&soup, &options, &Cpu, &unwatched).unwrap_or_else(|error| panic!("{error}"));
         assert!(check(&outcome.meshed.mesh).is_clean());
         assert_eq!(Quality::of(&outcome.meshed.mesh).irregular_vertices, 0);
         // The end of the longer crease, four and a half tiles from its beginning.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::gpu::GpuBackend;
 use quadmosaic::mesh::Mesh;
-use quadmosaic::pipeline::{Fineness, Options, PipelineError, run};
+use quadmosaic::pipeline::{Fineness, Options, PipelineError, run, unwatched};
 use quadmosaic::sizes::{SizeFileError, SizeOptions, SizeSample, Sizes, SizesError, read_sizes};
 use quadmosaic::surface::{Soup, Surface};
 use std::fs;
@@ -114,7 +114,7 @@ fn samples(places: &[([f64; 3], f64)]) -> Vec<SizeSample> {
 }
 
 fn meshed(soup: &Soup, options: &Options, backend: &dyn Backend) -> Mesh {
-    run(soup, options, backend, &|_, _| {}).unwrap_or_else(|error| panic!("{error}")).meshed.mesh
+    run(soup, options, backend, &unwatched).unwrap_or_else(|error| panic!("{error}")).meshed.mesh
 }
 
 /// The middle and length of each edge of a mesh, those between two quads twice.
@@ -221,7 +221,7 @@ fn sizes_in_model_units_that_make_no_sense_are_refused() {
     let soup = flat(4, 4, 0.25);
     let refused = |samples: Vec<SizeSample>| {
         let sizes = SizeOptions { samples, ..SizeOptions::default() };
-        run(&soup, &Options { sizes, ..Options::new(Fineness::Sampled) }, &Cpu, &|_, _| {}).err()
+        run(&soup, &Options { sizes, ..Options::new(Fineness::Sampled) }, &Cpu, &unwatched).err()
     };
     let said = |error: Option<PipelineError>| error.map_or(String::new(), |error| error.to_string());
     assert!(said(refused(vec![])).contains("no sizes are given"));

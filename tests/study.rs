@@ -51,7 +51,7 @@ fn every_pair_is_a_row_with_the_figures_of_a_run() {
     let options = Options { connect, ..Options::new(Fineness::Points(300)) };
     let paper = options.clone().with_paper_clean_up();
     let [outcome, paper] = [options, paper].map(|options| {
-        pipeline::run(&subjects[1].soup, &options, &Cpu, &|_, _| ()).unwrap_or_else(|error| panic!("{error}"))
+        pipeline::run(&subjects[1].soup, &options, &Cpu, &pipeline::unwatched).unwrap_or_else(|error| panic!("{error}"))
     });
     for (found, mesh) in
         [(row.before, &outcome.meshed.before), (row.cleaned, &paper.meshed.mesh), (row.after, &outcome.meshed.mesh)]

@@ -1,10 +1,9 @@
 //! The choice of the backend of the heavy stages.
 
-use super::numbers::up_to;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
-use quadmosaic::compute::{Backend, Cpu};
-use quadmosaic::gpu::{Gpu, GpuBackend, adapters};
+use quadmosaic::Mesher;
+use quadmosaic::options::up_to;
 
 /// The wanted backend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -44,43 +43,16 @@ impl Machine {
             .context("the threads cannot be started; ask for fewer with --threads")
     }
 
-    /// Opens the wanted device.
+    /// The mesher on the wanted backend; the name of an adapter asks for a GPU.
     ///
     /// # Errors
-    /// As [`Device::open`].
-    pub fn open(&self) -> anyhow::Result<Device> {
-        Device::open(self.backend, self.adapter.as_deref())
-    }
-}
-
-/// The device of the heavy stages.
-pub enum Device {
-    Cpu,
-    Gpu(Gpu),
-}
-
-impl Device {
-    /// Opens the wanted device; the name of an adapter asks for a GPU.
-    ///
-    /// # Errors
-    /// Where there is no such adapter, or it cannot be opened.
-    fn open(choice: Choice, adapter: Option<&str>) -> anyhow::Result<Self> {
-        let gpu = match choice {
-            Choice::Gpu => true,
-            Choice::Cpu => false,
-            Choice::Auto => adapter.is_some() || adapters().iter().any(|adapter| adapter.hardware),
-        };
-        if gpu { Ok(Self::Gpu(Gpu::open(adapter)?)) } else { Ok(Self::Cpu) }
-    }
-
-    /// The backend on it.
-    ///
-    /// # Errors
-    /// Where the device refuses the kernels.
-    pub fn backend(&self) -> anyhow::Result<Box<dyn Backend + '_>> {
-        Ok(match self {
-            Self::Cpu => Box::new(Cpu),
-            Self::Gpu(gpu) => Box::new(GpuBackend::new(gpu)?),
+    /// Where there is no such adapter, it cannot be opened, or it refuses the kernels.
+    pub fn mesher(&self) -> anyhow::Result<Mesher> {
+        let adapter = self.adapter.as_deref();
+        Ok(match self.backend {
+            Choice::Cpu => Mesher::cpu(),
+            Choice::Auto if adapter.is_none() => Mesher::auto()?,
+            Choice::Auto | Choice::Gpu => Mesher::gpu(adapter)?,
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Features: arguments of all commands that need the features of a surface.
 
-use super::numbers::degrees;
 use clap::Args;
+use quadmosaic::options::degrees;
 use quadmosaic::surface::{FeatureOptions, NamedEdge, read_edges};
 use std::path::PathBuf;
 

@@ -1,17 +1,17 @@
 //! `quadmosaic field`.
 
-use super::backend::{Device, Machine};
-use super::field_arguments::{FieldArguments, warn_of};
+use super::backend::Machine;
+use super::field_arguments::FieldArguments;
 use super::fineness::FinenessArguments;
 use super::input::Source;
-use super::output::{Output, expect_writable, field_path, print_beside, write_json};
-use super::repairs::warn_of_repairs;
+use super::output::{Output, expect_writable, field_path, print_beside, warn, write_json};
 use super::summary;
 use anyhow::Context;
 use clap::Args;
 use quadmosaic::export::{write_field_ply, write_field_vtk};
 use quadmosaic::pipeline::{self, Options, prepare};
 use quadmosaic::report::FieldReport;
+use quadmosaic::warnings;
 use std::path::{Path, PathBuf};
 
 /// Writes the cross field of a surface, for ParaView
@@ -71,21 +71,21 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let name = source.to_string();
     let soup = source.read()?;
     let (surface, sizes, count) = prepare(&soup, &options).context(name.clone())?;
-    let device: Device = machine.open()?;
-    let backend = device.backend()?;
-    let field = pipeline::field(&surface, sizes, count, &options, &*backend)?;
+    let mesher = machine.mesher()?;
+    let backend = mesher.backend();
+    let field = pipeline::field(&surface, sizes, count, &options, backend)?;
     match output.extension() {
         Some(ending) if ending.eq_ignore_ascii_case("ply") => write_field_ply(output, &surface, &field)?,
         _ => write_field_vtk(output, &surface, &field)?,
     }
-    let report = FieldReport::new(&name, &*backend, &surface, &field);
+    let report = FieldReport::new(&name, backend, &surface, &field);
     if let Some(output) = report_path {
         write_json(output, &report)?;
     }
     if !quiet {
         print_beside(report_path, &summary::of_field(&report))?;
     }
-    warn_of(field.guides());
-    warn_of_repairs(&surface);
+    warn(warnings::of_guides(&report.field.guides));
+    warn(warnings::of_surface(&report.surface));
     Ok(())
 }

@@ -1,10 +1,10 @@
 //! The constraints of the field: arguments that `mesh`, `field`, `mosaic`, `picture` and `study` share.
 
 use super::features::FeatureArguments;
-use super::numbers::{degrees, number};
 use super::repairs::RepairArguments;
 use clap::Args;
-use quadmosaic::field::{Align, FieldOptions, Guide, GuideReport, read_guides};
+use quadmosaic::field::{Align, FieldOptions, Guide, read_guides};
+use quadmosaic::options::{align, degrees};
 use quadmosaic::surface::{FeatureOptions, NamedEdge, RepairOptions};
 use std::path::PathBuf;
 
@@ -64,19 +64,4 @@ impl FieldArguments {
         }
         Ok(FieldOptions { guides, align: self.align, ..FieldOptions::default() })
     }
-}
-
-/// Warns of guides without full effect.
-pub fn warn_of(guides: &[GuideReport]) {
-    for guide in guides {
-        if let Some(trouble) = &guide.trouble {
-            eprintln!("warning: {}: {trouble}", guide.name);
-        }
-    }
-}
-
-fn align(text: &str) -> Result<Align, String> {
-    let weight = text.strip_prefix("curvature:").and_then(|weight| number(weight, 0.0..=1e6));
-    let weight = weight.ok_or("write curvature:WEIGHT, the weight a number from 0 to 1000000, as curvature:1")?;
-    Ok(Align { weight, side: None })
 }

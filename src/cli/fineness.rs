@@ -1,7 +1,7 @@
 //! The fineness of the mesh: arguments that `mesh`, `field` and `mosaic` share.
 
-use super::numbers::{degrees, number, points, positive, up_to};
 use clap::Args;
+use quadmosaic::options::{degrees, growth, points, positive, up_to};
 use quadmosaic::pipeline::Fineness;
 use quadmosaic::sizes::{SizeOptions, read_sizes};
 use std::path::PathBuf;
@@ -61,8 +61,4 @@ impl FinenessArguments {
             around: self.around as f64,
         })
     }
-}
-
-fn growth(text: &str) -> Result<f64, String> {
-    number(text, 1.01..=10.0).ok_or_else(|| "the ratio is a number from 1.01 to 10".to_owned())
 }

@@ -1,10 +1,8 @@
 //! The layout of rows: arguments that `mesh`, `mosaic`, `picture` and `study` share.
 
 use super::field_arguments::FieldArguments;
-use super::numbers::number;
-use super::summary;
 use clap::{Args, ValueEnum};
-use quadmosaic::field::{ASPECTS, StretchReport};
+use quadmosaic::options::{aspect, dial, factor};
 use quadmosaic::parametrize::Rows;
 use quadmosaic::pipeline::Options;
 
@@ -18,7 +16,7 @@ pub struct LayoutArguments {
     #[arg(long, value_name = "DIAL", default_value_t = 0.0, value_parser = dial, help_heading = "Rows")]
     pub fit: f64,
     /// The largest side over the mean one, and the mean over the smallest, that --fit may ask for
-    #[arg(long, value_name = "FACTOR", default_value_t = 2.5, value_parser = range, help_heading = "Rows")]
+    #[arg(long, value_name = "FACTOR", default_value_t = 2.5, value_parser = factor, help_heading = "Rows")]
     pub fit_range: f64,
     /// Rectangular tiles: their longer side, which lies along the guides, over the shorter one (1 to 20), the area being that
     /// of the square. Needs a guide; where the field has no direction but a cross, about singularities of a quarter turn, tiles
@@ -62,47 +60,4 @@ impl LayoutArguments {
             RowEnds::Continuous => Rows::Continuous,
         }
     }
-}
-
-/// Warns where tiles do not have the wanted aspect.
-pub fn warn_of_stretch(stretch: Option<&StretchReport>) {
-    let Some(&StretchReport { aspect, odd_singularities, nearly_square, unguided }) = stretch else { return };
-    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-    if nearly_square > 0.0 {
-        eprintln!(
-            "warning: on {} of the area tiles are squares or nearly so instead of {aspect} to 1: {}",
-            percent(nearly_square),
-            match odd_singularities {
-                0 => "guides contradict each other there".to_owned(),
-                count => format!(
-                    "the field is only a cross about {}, which have no longer side; guides may move or remove them",
-                    summary::counted(count, "point")
-                ),
-            }
-        );
-    }
-    if unguided > 0.0 {
-        eprintln!(
-            "warning: no guide reaches {} of the area, whose tiles are squares; give each part of the surface a guide",
-            percent(unguided)
-        );
-    }
-}
-
-fn aspect(text: &str) -> Result<f64, String> {
-    number(text, ASPECTS).ok_or_else(|| {
-        format!(
-            "the aspect is the longer side over the shorter one, a number from {} to {}; guides say which side is longer",
-            ASPECTS.start(),
-            ASPECTS.end()
-        )
-    })
-}
-
-pub fn dial(text: &str) -> Result<f64, String> {
-    number(text, 0.0..=1.0).ok_or_else(|| "the dial is a number from 0 to 1".to_owned())
-}
-
-fn range(text: &str) -> Result<f64, String> {
-    number(text, 1.01..=10.0).ok_or_else(|| "the factor is a number from 1.01 to 10".to_owned())
 }

@@ -1,15 +1,13 @@
 //! `quadmosaic mesh`.
 
 use super::backend::Machine;
-use super::field_arguments::{FieldArguments, warn_of};
+use super::field_arguments::FieldArguments;
 use super::fineness::FinenessArguments;
 use super::input::Source;
-use super::layout::{LayoutArguments, warn_of_stretch};
+use super::layout::LayoutArguments;
 use super::mesh_output::MeshOutput;
-use super::numbers::{degrees, distance, up_to};
-use super::output::{Output, expect_writable, picture_path, print_beside, write_json};
+use super::output::{Output, expect_writable, picture_path, print_beside, warn, write_json};
 use super::picture;
-use super::repairs::warn_of_repairs;
 use super::summary;
 use anyhow::Context;
 use clap::{Args, CommandFactory, ValueEnum, error::ErrorKind};
@@ -18,9 +16,10 @@ use quadmosaic::export::MeshFile;
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::connectivity::{self, ConnectivityOptions};
 use quadmosaic::mesh::fill;
+use quadmosaic::options::{degrees, distance, up_to};
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
-use quadmosaic::pipeline::{self, Options, Stage};
-use quadmosaic::report::{Asked, Report};
+use quadmosaic::pipeline::{Options, Stage};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -124,28 +123,24 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
     let (soup, reading) = timed(|| arguments.source.read());
     let soup = soup?;
-    let (device, opening) = timed(|| arguments.machine.open());
-    let device = device?;
-    let (backend, compiling) = timed(|| device.backend());
-    let backend = backend?;
+    let (mesher, opening) = timed(|| arguments.machine.mesher());
+    let mesher = mesher?;
 
     let progress = Progress::new(arguments.quiet);
-    let outcome = pipeline::run(&soup, &options, &*backend, &|stage, share| progress.show(stage, share));
+    let outcome = mesher.mesh_watched(&soup, &options, &|stage, share| progress.show(stage, share));
     progress.bar.finish_and_clear();
     let outcome = outcome.context(name.clone())?;
 
-    let (report, measuring) = timed(|| Report::new(&name, &options, &*backend, &outcome));
-    let wrong = summary::wrong(&report);
+    let (report, measuring) = timed(|| mesher.report(&name, &options, &outcome));
+    let wrong = report.wrong();
     if let (true, Some(wrong)) = (arguments.strict, &wrong) {
         return Err(Unsound(format!("{} was not written: {wrong}", arguments.output.output)).into());
     }
     let meshed = &outcome.meshed;
     let (written, writing) = timed(|| arguments.output.write(&MeshFile::new(&meshed.mesh, &meshed.vertices, &soup)));
     written?;
-    let report = report.with_times(
-        &[("read", reading), ("device", opening + compiling)],
-        &[("measure", measuring), ("write", writing)],
-    );
+    let report =
+        report.with_times(&[("read", reading), ("device", opening)], &[("measure", measuring), ("write", writing)]);
     if let Some(path) = &arguments.picture {
         write_picture(path, &mesh_scene(&outcome.meshed.mesh, Paint::Sides), &View::default(), picture::SIZE)?;
     }
@@ -155,34 +150,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if !arguments.quiet {
         print_beside([&arguments.output.output].into_iter().chain(&arguments.report), &summary::of_run(&report))?;
     }
-    warn_of(outcome.field.guides());
-    warn_of_stretch(report.field.stretch.as_ref());
-    warn_of_repairs(&outcome.surface);
-    if let Some(wrong) = wrong {
-        eprintln!("warning: {}: {wrong}", arguments.output.output);
-    }
-    if let Some(warning) = count_warning(&report) {
-        eprintln!("warning: {warning}");
-    }
+    warn(report.warnings());
+    warn(wrong.map(|wrong| format!("{}: {wrong}", arguments.output.output)));
     Ok(())
-}
-
-/// A number of vertices that misses the wanted one by a larger share is a warning.
-const COUNT_TOLERANCE: f64 = 0.05;
-
-fn count_warning(report: &Report) -> Option<String> {
-    let Asked::Points(asked) = report.asked else { return None };
-    let found = report.mesh.vertices;
-    (found.abs_diff(asked) as f64 > COUNT_TOLERANCE * asked as f64).then(|| {
-        let on_features = report.mosaic.on_features;
-        let advice = match found > asked && 2 * on_features > asked {
-            true => format!(
-                ", as {on_features} tiles lie on features; ask for another number, or for fewer features by --crease"
-            ),
-            false => "; ask for another number".to_owned(),
-        };
-        format!("{found} vertices instead of {asked}{advice}")
-    })
 }
 
 impl Arguments {
@@ -255,8 +225,9 @@ impl Progress {
         Self { bar: bar.with_style(style) }
     }
 
-    fn show(&self, stage: Stage, share: f32) {
+    fn show(&self, stage: Stage, share: f32) -> ControlFlow<()> {
         self.bar.set_message(stage.name());
         self.bar.set_position((100.0 * share) as u64);
+        ControlFlow::Continue(())
     }
 }

@@ -13,7 +13,6 @@ mod layout;
 mod mesh;
 mod mesh_output;
 mod mosaic;
-mod numbers;
 mod output;
 mod picture;
 mod repairs;
@@ -21,12 +20,13 @@ mod study;
 mod summary;
 
 use clap::{Parser, Subcommand};
-pub use mesh::Unsound;
+use mesh::Unsound;
+use std::ffi::OsString;
 
 /// Turns a triangle surface into a quad-dominant mesh whose rows follow its features and your guides.
 #[derive(Parser)]
-#[command(version, after_help = EXAMPLES)]
-pub struct Arguments {
+#[command(name = "quadmosaic", version, after_help = EXAMPLES)]
+struct Arguments {
     #[command(subcommand)]
     command: Command,
 }
@@ -51,11 +51,32 @@ enum Command {
     Devices,
 }
 
-/// Does what the arguments ask for.
-///
-/// # Errors
-/// With a sentence for the user.
-pub fn run(arguments: Arguments) -> anyhow::Result<()> {
+/// The exit code where `--strict` refuses a mesh.
+const UNSOUND: u8 = 3;
+
+/// Does what the arguments ask for, the program's name first, and returns the exit code.
+pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> u8 {
+    let done = Arguments::try_parse_from(arguments).map_err(anyhow::Error::from).and_then(run);
+    let Err(error) = done else { return 0 };
+    // Wrong usage that clap could not see by itself exits as all wrong usage does, with code 2.
+    if let Some(usage) = error.downcast_ref::<clap::Error>() {
+        let _ = usage.print();
+        return u8::try_from(usage.exit_code()).unwrap_or(u8::MAX);
+    }
+    eprintln!("error: {}", sentence(&error));
+    if error.is::<Unsound>() { UNSOUND } else { 1 }
+}
+
+/// The error and its causes on one line; a cause that the error tells already is not repeated.
+fn sentence(error: &anyhow::Error) -> String {
+    error.chain().map(ToString::to_string).fold(String::new(), |told, cause| match told.as_str() {
+        "" => cause,
+        _ if told.contains(&cause) => told,
+        _ => format!("{told}: {cause}"),
+    })
+}
+
+fn run(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Command::Mesh(arguments) => mesh::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),

@@ -1,12 +1,11 @@
 //! `quadmosaic mosaic`.
 
 use super::backend::Machine;
-use super::field_arguments::{FieldArguments, warn_of};
+use super::field_arguments::FieldArguments;
 use super::fineness::FinenessArguments;
 use super::input::Source;
-use super::layout::{LayoutArguments, warn_of_stretch};
-use super::output::{Output, expect_writable, picture_path, print_beside, tiles_path, write_json};
-use super::repairs::warn_of_repairs;
+use super::layout::LayoutArguments;
+use super::output::{Output, expect_writable, picture_path, print_beside, tiles_path, warn, write_json};
 use super::{picture, summary};
 use anyhow::Context;
 use clap::Args;
@@ -15,6 +14,7 @@ use quadmosaic::mosaic::quality::TileQuality;
 use quadmosaic::picture::{Colour, View, mosaic_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, prepare};
 use quadmosaic::report::MosaicReport;
+use quadmosaic::warnings;
 use std::path::{Path, PathBuf};
 
 /// Writes the tiles that a mesh would be made of, as squares laid on the surface
@@ -92,10 +92,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let name = source.to_string();
     let soup = source.read()?;
     let (surface, sizes, count) = prepare(&soup, &options).context(name.clone())?;
-    let device = machine.open()?;
-    let backend = device.backend()?;
-    let field = pipeline::field(&surface, sizes, count, &options, &*backend)?;
-    let mosaic = pipeline::lay(&surface, &field, &*backend, count, &options, &|_| ())?;
+    let mesher = machine.mesher()?;
+    let backend = mesher.backend();
+    let field = pipeline::field(&surface, sizes, count, &options, backend)?;
+    let mosaic = pipeline::lay(&surface, &field, backend, count, &options, &|_| ())?;
 
     let fit = TileQuality::of(&surface, &mosaic);
     let (mesh, tiles) = tile_mesh(&surface, &mosaic, *grout as f32);
@@ -112,15 +112,15 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(path) = picture_file {
         write_picture(path, &mosaic_scene(&surface, &mosaic, *grout as f32, None), &View::default(), picture::SIZE)?;
     }
-    let report = MosaicReport::new(&name, &options, &*backend, (&surface, &field, &mosaic), fit);
+    let report = MosaicReport::new(&name, &options, backend, (&surface, &field, &mosaic), fit);
     if let Some(output) = report_file {
         write_json(output, &report)?;
     }
     if !quiet {
         print_beside(report_file, &summary::of_mosaic(&report))?;
     }
-    warn_of(field.guides());
-    warn_of_repairs(&surface);
-    warn_of_stretch(report.field.stretch.as_ref());
+    warn(warnings::of_guides(&report.field.guides));
+    warn(warnings::of_surface(&report.surface));
+    warn(warnings::of_stretch(report.field.stretch.as_ref()));
     Ok(())
 }

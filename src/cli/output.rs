@@ -131,6 +131,11 @@ pub fn print(text: &str) -> anyhow::Result<()> {
     to_stdout(|writer| writer.write_all(text.as_bytes()))
 }
 
+/// Prints warnings to stderr.
+pub fn warn(warnings: impl IntoIterator<Item = String>) {
+    warnings.into_iter().for_each(|warning| eprintln!("warning: {warning}"));
+}
+
 /// Prints to stdout, or to stderr where one of the results goes to stdout.
 ///
 /// # Errors

@@ -1,17 +1,18 @@
 //! `quadmosaic picture`.
 
 use super::backend::Machine;
-use super::field_arguments::{FieldArguments, warn_of};
+use super::field_arguments::FieldArguments;
 use super::input::Source;
-use super::layout::{LayoutArguments, warn_of_stretch};
-use super::numbers::{number, points};
-use super::output::{expect_writable, picture_path};
+use super::layout::LayoutArguments;
+use super::output::{expect_writable, picture_path, warn};
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use quadmosaic::field::Stretch;
 use quadmosaic::mosaic::quality::TileQuality;
+use quadmosaic::options::{number, points};
 use quadmosaic::picture::{Eye, FieldStyle, Paint, Scene, View, field_scene, mesh_scene, mosaic_scene, write_picture};
 use quadmosaic::pipeline::{self, Fineness, Options, prepare};
+use quadmosaic::warnings;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -133,16 +134,16 @@ impl Arguments {
         let options = self.layout.options(&self.directions, Options::new(Fineness::Points(self.points)))?;
         let soup = self.source.read()?;
         let (surface, sizes, count) = prepare(&soup, &options).context(self.source.to_string())?;
-        let device = self.machine.open()?;
-        let backend = device.backend()?;
-        let field = pipeline::field(&surface, sizes, count, &options, &*backend)?;
-        warn_of(field.guides());
-        warn_of_stretch(field.stretch().map(Stretch::report));
+        let mesher = self.machine.mesher()?;
+        let backend = mesher.backend();
+        let field = pipeline::field(&surface, sizes, count, &options, backend)?;
+        warn(warnings::of_guides(field.guides()));
+        warn(warnings::of_stretch(field.stretch().map(Stretch::report)));
         Ok(match self.field {
             Some(Style::Streamlines) => field_scene(&surface, &field, FieldStyle::Streamlines),
             Some(Style::Crosses) => field_scene(&surface, &field, FieldStyle::Crosses),
             None => {
-                let mosaic = pipeline::lay(&surface, &field, &*backend, count, &options, &|_| ())?;
+                let mosaic = pipeline::lay(&surface, &field, backend, count, &options, &|_| ())?;
                 let fit = matches!(self.colour, Colours::Quality).then(|| TileQuality::of(&surface, &mosaic));
                 let fit = fit.as_ref().map(|fit| fit.of_tiles.as_slice());
                 mosaic_scene(&surface, &mosaic, self.grout as f32, fit)

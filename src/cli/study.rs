@@ -3,13 +3,13 @@
 use super::backend::Machine;
 use super::field_arguments::FieldArguments;
 use super::input::Input;
-use super::layout::{LayoutArguments, dial};
-use super::numbers::{degrees, distance, points};
+use super::layout::LayoutArguments;
 use super::output::print;
 use anyhow::{Context, ensure};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::mesh::connect::ConnectOptions;
+use quadmosaic::options::{degrees, dial, distance, points};
 use quadmosaic::study::{self, Plan, Subject, Table};
 use std::fs;
 use std::path::PathBuf;
@@ -76,8 +76,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     machine.start_threads()?;
     let subjects = subjects(surfaces)?;
     fs::create_dir_all(output).with_context(|| format!("the folder {} cannot be made", output.display()))?;
-    let device = machine.open()?;
-    let backend = device.backend()?;
+    let mesher = machine.mesher()?;
+    let backend = mesher.backend();
 
     let bar = if *quiet { ProgressBar::hidden() } else { ProgressBar::new(1000) };
     let style = ProgressStyle::with_template("{bar:30} {percent:>3} %, about {eta} left: {wide_msg}");
@@ -86,7 +86,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         bar.set_message(what.to_owned());
         bar.set_position((1000.0 * share) as u64);
     };
-    let table = study::run(output, &subjects, &plan, &*backend, &progress);
+    let table = study::run(output, &subjects, &plan, backend, &progress);
     bar.finish_and_clear();
     let table = table?;
     if !quiet {

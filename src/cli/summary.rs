@@ -7,6 +7,7 @@ use quadmosaic::report::{
     Against, Asked, CheckReport, DroppedCreases, FieldFigures, FieldReport, Input, MosaicReport, Report,
 };
 use quadmosaic::surface::{Denoised, Repairs, shown};
+use quadmosaic::warnings::counted;
 
 /// The figures of a run.
 pub fn of_run(report: &Report) -> String {
@@ -115,16 +116,6 @@ pub fn faults_of(report: &CheckReport) -> Option<String> {
     let faults = Some(report.faults.list.len()).filter(|count| *count > 0).map(|count| counted(count, "fault"));
     let said: Vec<String> = faults.into_iter().chain(differences.iter().map(ToString::to_string)).collect();
     (!said.is_empty()).then(|| said.join("; "))
-}
-
-/// `1 corner`, `2 corners`, `0 vertices`.
-pub fn counted(count: usize, what: &str) -> String {
-    match (count, what.strip_suffix("ex"), what.strip_suffix('y')) {
-        (1, ..) => format!("1 {what}"),
-        (_, Some(stem), _) => format!("{count} {stem}ices"),
-        (_, _, Some(stem)) => format!("{count} {stem}ies"),
-        _ => format!("{count} {what}s"),
-    }
 }
 
 fn lines(entries: &[(&str, String)]) -> String {
@@ -257,13 +248,6 @@ fn checked(report: &Report) -> String {
     let same = if report.differences.is_empty() { "as the surface" } else { "other than the surface" };
     let other = if report.surface.denoised.is_some() { format!("{same} without noise") } else { same.to_owned() };
     format!("{found}; {other}")
-}
-
-/// The differences and faults of the mesh of a run, with places.
-pub fn wrong(report: &Report) -> Option<String> {
-    let faults = (!report.faults.is_clean()).then(|| report.faults.to_string());
-    let said: Vec<String> = report.differences.iter().map(ToString::to_string).chain(faults).collect();
-    (!said.is_empty()).then(|| said.join("; "))
 }
 
 fn spread(measure: Option<Spread>) -> String {

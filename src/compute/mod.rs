@@ -8,6 +8,7 @@ mod complex;
 pub mod cpu;
 mod equations;
 mod tiles;
+mod watched;
 
 pub use complex::{Complex, NEGLIGIBLE};
 pub(crate) use complex::{add, conjugate, modulus, modulus_squared, normalised, scaled};
@@ -18,21 +19,29 @@ pub(crate) use tiles::cell;
 pub use tiles::{
     LIST_LENGTH, LIST_STEPS, MOST_EDGES, REACH, Relaxation, RelaxationSurface, SKIN, Tile, Triangle, bucket_count,
 };
+pub(crate) use watched::Watched;
 
+use crate::progress::Cancelled;
 use thiserror::Error;
 
 /// Invocations in a workgroup of every kernel, and values in a block of a sum.
 pub const WORKGROUP: usize = 256;
 
-/// Why a backend could not do its work.
+/// Why a backend did not do its work.
 #[derive(Debug, Error)]
-#[error("the {backend} backend failed: {reason}")]
 #[non_exhaustive]
-pub struct ComputeError {
-    /// The backend's name.
-    pub backend: &'static str,
-    /// What went wrong and what to do.
-    pub reason: String,
+pub enum ComputeError {
+    /// It failed.
+    #[error("the {backend} backend failed: {source}")]
+    Failed {
+        /// The backend's name.
+        backend: &'static str,
+        /// What went wrong and what to do.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// The run was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// The kernels on one device. All implementations give the same bits on a device that rounds as IEEE 754 does.

@@ -10,29 +10,29 @@ const NAME: &str = "gpu";
 
 /// A device with all kernels compiled.
 #[derive(Debug)]
-pub struct GpuBackend<'gpu> {
-    gpu: &'gpu Gpu,
+pub struct GpuBackend {
+    gpu: Gpu,
     multigrid: MultigridKernels,
     relaxation: RelaxationKernels,
 }
 
-impl<'gpu> GpuBackend<'gpu> {
+impl GpuBackend {
     /// Compiles the kernels.
     ///
     /// # Errors
     /// What the driver makes of them.
-    pub fn new(gpu: &'gpu Gpu) -> Result<Self, GpuError> {
-        Ok(Self { gpu, multigrid: MultigridKernels::new(gpu)?, relaxation: RelaxationKernels::new(gpu)? })
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        Ok(Self { gpu: gpu.clone(), multigrid: MultigridKernels::new(gpu)?, relaxation: RelaxationKernels::new(gpu)? })
     }
 }
 
 impl From<GpuError> for ComputeError {
     fn from(error: GpuError) -> Self {
-        Self { backend: NAME, reason: error.to_string() }
+        Self::Failed { backend: NAME, source: error.into() }
     }
 }
 
-impl Backend for GpuBackend<'_> {
+impl Backend for GpuBackend {
     fn name(&self) -> &'static str {
         NAME
     }
@@ -47,13 +47,13 @@ impl Backend for GpuBackend<'_> {
         start: usize,
         values: &[Complex],
     ) -> Result<Box<dyn Multigrid + 'a>, ComputeError> {
-        Ok(Box::new(GpuMultigrid::new(self.gpu, &self.multigrid, levels, start, values)?))
+        Ok(Box::new(GpuMultigrid::new(&self.gpu, &self.multigrid, levels, start, values)?))
     }
 
     fn relaxation<'a>(
         &'a self,
         surface: &'a RelaxationSurface,
     ) -> Result<Box<dyn RelaxationContext + 'a>, ComputeError> {
-        Ok(Box::new(GpuRelaxation::new(self.gpu, &self.relaxation, surface)?))
+        Ok(Box::new(GpuRelaxation::new(&self.gpu, &self.relaxation, surface)?))
     }
 }

@@ -72,8 +72,8 @@ fn ranked_adapters() -> Vec<wgpu::Adapter> {
     adapters
 }
 
-/// An open device. It may be shared between threads.
-#[derive(Debug)]
+/// An open device. It may be shared between threads; a clone is the same device.
+#[derive(Clone, Debug)]
 pub struct Gpu {
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,

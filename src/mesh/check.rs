@@ -15,31 +15,86 @@ use std::mem::discriminant;
 #[non_exhaustive]
 pub enum Kind {
     /// A coordinate of the vertex is infinite or not a number.
-    NonFinite { vertex: u32 },
+    NonFinite {
+        /// The vertex.
+        vertex: u32,
+    },
     /// No face uses the vertex.
-    IsolatedVertex { vertex: u32 },
+    IsolatedVertex {
+        /// The vertex.
+        vertex: u32,
+    },
     /// The faces round the vertex form more than one fan.
-    NonManifoldVertex { vertex: u32, fans: u32 },
+    NonManifoldVertex {
+        /// The vertex.
+        vertex: u32,
+        /// The number of fans.
+        fans: u32,
+    },
     /// More than two faces meet at the edge.
-    NonManifoldEdge { edge: [u32; 2], faces: u32 },
+    NonManifoldEdge {
+        /// The ends of the edge.
+        edge: [u32; 2],
+        /// The number of faces.
+        faces: u32,
+    },
     /// Two faces run along the edge in the same direction.
-    MisorientedEdge { edge: [u32; 2] },
+    MisorientedEdge {
+        /// The ends of the edge.
+        edge: [u32; 2],
+    },
     /// The face names a vertex that the mesh does not have.
-    MissingVertex { face: u32, vertex: u32 },
+    MissingVertex {
+        /// The face.
+        face: u32,
+        /// The vertex.
+        vertex: u32,
+    },
     /// The face names a vertex twice.
-    RepeatedVertex { face: u32, vertex: u32 },
+    RepeatedVertex {
+        /// The face.
+        face: u32,
+        /// The vertex.
+        vertex: u32,
+    },
     /// The face has the vertices of an earlier face.
-    DuplicateFace { face: u32, earlier: u32 },
+    DuplicateFace {
+        /// The face.
+        face: u32,
+        /// The earlier face.
+        earlier: u32,
+    },
     /// The face has fewer than three sides, or its area is no more than 1e-6 of the squared mean edge length.
-    DegenerateFace { face: u32, area: f64 },
+    DegenerateFace {
+        /// The face.
+        face: u32,
+        /// Its area.
+        area: f64,
+    },
     /// A corner of the quad is straight or reflex against the quad's normal.
-    ConcaveQuad { face: u32 },
+    ConcaveQuad {
+        /// The face.
+        face: u32,
+    },
     /// The face is inverted: its normal points against the nearest sheet of the surface.
-    FlippedFace { face: u32 },
+    FlippedFace {
+        /// The face.
+        face: u32,
+    },
     /// A boundary loop of the mesh is no boundary of the surface: its first vertex, and the number of its sides.
-    Hole { vertex: u32, sides: u32 },
+    Hole {
+        /// The vertex.
+        vertex: u32,
+        /// The number of sides.
+        sides: u32,
+    },
     /// The vertex is more than one mean edge length from the surface; the distance is in mean edge lengths.
-    StrayVertex { vertex: u32, distance: f64 },
+    StrayVertex {
+        /// The vertex.
+        vertex: u32,
+        /// The distance.
+        distance: f64,
+    },
 }
 
 /// A broken invariant with its place.

@@ -91,15 +91,38 @@ pub struct Comparison {
 #[non_exhaustive]
 pub enum Difference {
     /// The diagonal of the mesh's bounding box over the surface's: more than 2, or less than 1/2.
-    Size { ratio: f64 },
+    Size {
+        /// The ratio.
+        ratio: f64,
+    },
     /// The Euler characteristics differ.
-    Euler { mesh: i64, surface: i64 },
+    Euler {
+        /// The mesh's.
+        mesh: i64,
+        /// The surface's.
+        surface: i64,
+    },
     /// The numbers of boundary loops differ.
-    BoundaryLoops { mesh: usize, surface: usize },
+    BoundaryLoops {
+        /// The mesh's.
+        mesh: usize,
+        /// The surface's.
+        surface: usize,
+    },
     /// The numbers of connected components differ.
-    Components { mesh: usize, surface: usize },
+    Components {
+        /// The mesh's.
+        mesh: usize,
+        /// The surface's.
+        surface: usize,
+    },
     /// A point of the surface, in model units, is more than one mean edge length from the mesh: a part is missing.
-    Uncovered { distance: f64, at: [f64; 3] },
+    Uncovered {
+        /// The distance.
+        distance: f64,
+        /// The point.
+        at: [f64; 3],
+    },
 }
 
 impl Difference {

@@ -83,6 +83,7 @@ pub fn fill(context: &Context, triangulation: &Triangulation, edges: &[bool], ho
                 count += usize::from(face.len() > 4);
                 filler.polygons.push(face);
             }
+            None if context.is_cancelled() => {}
             None => count += filler.fill(region),
         }
     }

@@ -90,6 +90,16 @@ impl Mesh {
         (0..self.face_count()).map(|index| self.face(index))
     }
 
+    /// The faces of four vertices, in order.
+    pub fn quads(&self) -> impl Iterator<Item = [u32; 4]> {
+        self.faces().filter_map(|face| face.try_into().ok())
+    }
+
+    /// The faces of three vertices, in order.
+    pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
+        self.faces().filter_map(|face| face.try_into().ok())
+    }
+
     /// The point of a vertex.
     pub(crate) fn place(&self, vertex: u32) -> DVec3 {
         DVec3::from(self.points[vertex as usize])

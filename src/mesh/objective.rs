@@ -14,6 +14,7 @@ use super::orientation::{self, Orientation};
 use super::quality::{quad_shape, scaled_jacobian, triangle_shape};
 use super::surface_mesh::SurfaceMesh;
 use super::vertex::{Place, walked};
+use crate::progress::Progress;
 use crate::surface::{Curve, Surface, shared_curves};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -56,6 +57,7 @@ pub struct Context<'a> {
     pub(crate) orientation: Orientation<'a>,
     /// Whether several sheets share each feature curve.
     shared: Vec<bool>,
+    progress: Option<&'a Progress<'a>>,
 }
 
 impl<'a> Context<'a> {
@@ -66,7 +68,17 @@ impl<'a> Context<'a> {
 
     /// The context of a surface.
     pub fn new(surface: &'a Surface) -> Self {
-        Self { surface, orientation: Orientation::new(surface), shared: shared_curves(surface) }
+        Self { surface, orientation: Orientation::new(surface), shared: shared_curves(surface), progress: None }
+    }
+
+    /// The same context for a run that may be cancelled.
+    pub(crate) fn watched(self, progress: &'a Progress<'a>) -> Self {
+        Self { progress: Some(progress), ..self }
+    }
+
+    /// Whether the run is cancelled: loops over the mesh end then.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.progress.is_some_and(Progress::is_cancelled)
     }
 
     pub(crate) fn curve(&self, curve: u32) -> &'a Curve {

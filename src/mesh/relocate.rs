@@ -149,7 +149,8 @@ impl<'a> Sweeps<'a> {
         let mut any = false;
         for k in 0..self.colours.len() {
             let view = View { sweeps: self, mesh };
-            let is_visited = |&&v: &&u32| self.is_waiting[v as usize] && view.may_gain(v, step);
+            let is_visited =
+                |&&v: &&u32| self.is_waiting[v as usize] && view.may_gain(v, step) && !self.context.is_cancelled();
             let found: Vec<(u32, Option<Position>)> = self.colours[k]
                 .par_iter()
                 .with_min_len(128)

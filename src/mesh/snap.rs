@@ -37,6 +37,9 @@ pub fn snap(context: &Context, mesh: &mut SurfaceMesh) {
     for _ in 0..ROUNDS {
         let mut sweeps = Sweeps::new(context, mesh);
         for Candidate { v, position, .. } in creases.candidates(mesh, &is_held) {
+            if context.is_cancelled() {
+                return;
+            }
             let [before, after] = sweeps.least_shapes(mesh, v, &position);
             if after >= before.clamp(POOR, LEAST_SHAPE) {
                 sweeps.put(mesh, v, &position);

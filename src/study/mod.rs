@@ -24,7 +24,7 @@ use crate::field::GuideReport;
 use crate::mesh::connect::ConnectOptions;
 use crate::mesh::triangulate::triangulate;
 use crate::picture::{Paint, PictureError, Scene, View, mesh_scene, mosaic_scene, write_picture};
-use crate::pipeline::{self, Fineness, Meshed, Options, PipelineError, prepare};
+use crate::pipeline::{self, Fineness, Meshed, Options, PipelineError, prepare, unwatched};
 use crate::surface::{Regions, Soup};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -269,10 +269,10 @@ impl Study<'_> {
             let connect = ConnectOptions { max_distance, max_angle };
             let options = Options { connect, ..options.clone() };
             let options = if paper { options.with_paper_clean_up() } else { options };
-            pipeline::connected(&surface, &mosaic, &triangulation, &options)
+            pipeline::connected(&surface, &mosaic, &triangulation, &options, &unwatched).map_err(|e| failed(e.into()))
         };
         if !drawn {
-            let Meshed { before, mesh, .. } = connected(usual, false);
+            let Meshed { before, mesh, .. } = connected(usual, false)?;
             self.draw(&pictures[0], &mosaic_scene(&surface, &mosaic, 0.1, None))?;
             self.draw(&pictures[1], &mesh_scene(&before, Paint::Sides))?;
             self.draw(&pictures[2], &mesh_scene(&mesh, Paint::Sides))?;
@@ -284,9 +284,9 @@ impl Study<'_> {
         for setting in missing {
             let [max_angle, max_distance, fit] = setting;
             report(self, format!("{name}, {points} points{of_fit}: theta {max_angle}, L {max_distance}"));
-            let cleaned = connected(setting, true).mesh;
+            let cleaned = connected(setting, true)?.mesh;
             let started = Instant::now();
-            let meshed = connected(setting, false);
+            let meshed = connected(setting, false)?;
             let time = started.elapsed();
             let milliseconds = |time: Duration| (time.as_secs_f64() * 1e4).round() / 10.0;
             self.table.rows.push(Row {

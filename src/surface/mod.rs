@@ -51,7 +51,7 @@ pub use denoise::Denoised;
 pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use features::{DroppedEdge, FeatureOptions, Features, Reason};
 pub use regions::Regions;
-pub use repairs::{Length, Places, RepairOptions, Repairs};
+pub use repairs::{Length, LengthError, Places, RepairOptions, Repairs};
 pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
 
 use crate::geometry::{cross, dot, unit};
@@ -76,6 +76,11 @@ pub struct Soup {
 }
 
 impl Soup {
+    /// Triangles of one region: points in model units, and three indices into them a triangle, counted from 0.
+    pub fn new(points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { points, triangles, regions: Regions::default() }
+    }
+
     /// The area of the triangles whose corners are there, in model units squared.
     pub fn area(&self) -> f64 {
         let area = |&[a, b, c]: &[DVec3; 3]| (b - a).cross(c - a).length() / 2.0;

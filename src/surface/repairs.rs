@@ -3,6 +3,7 @@
 use super::SurfaceError;
 use serde::Serialize;
 use std::str::FromStr;
+use thiserror::Error;
 
 /// Places that are kept.
 const PLACES: usize = 10;
@@ -35,21 +36,23 @@ impl Length {
     }
 }
 
+/// A text is no [`Length`].
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[error("write a number above 0: 0.1 in model units, 0.001% of the model's diagonal, or 3x the side of a tile")]
+pub struct LengthError;
+
 impl FromStr for Length {
-    type Err = String;
+    type Err = LengthError;
 
     /// `0.1`: model units; `0.001%`: a share of the diagonal; `3x`: sides of a tile.
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, LengthError> {
         let (number, unit): (&str, fn(f64) -> Self) = match (text.strip_suffix('%'), text.strip_suffix('x')) {
             (Some(percent), _) => (percent, |percent| Self::Diagonals(percent / 100.0)),
             (_, Some(count)) => (count, Self::Tiles),
             _ => (text, Self::Model),
         };
         let number = number.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
-        number.map(unit).ok_or_else(|| {
-            "write a number above 0: 0.1 in model units, 0.001% of the model's diagonal, or 3x the side of a tile"
-                .to_owned()
-        })
+        number.map(unit).ok_or(LengthError)
     }
 }
 

@@ -10,7 +10,7 @@ use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::gpu::GpuBackend;
 use quadmosaic::mesh::Mesh;
 use quadmosaic::mesh::check::{check, check_joined};
-use quadmosaic::pipeline::{Fineness, Meshed, Options, Outcome, run};
+use quadmosaic::pipeline::{Fineness, Meshed, Options, Outcome, run, unwatched};
 use quadmosaic::surface::{Soup, Surface};
 use rayon::prelude::*;
 use shapes::Shape;
@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 fn meshed(soup: &Soup, points: usize, backend: &dyn Backend) -> Outcome {
-    run(soup, &Options::new(Fineness::Points(points)), backend, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"))
+    run(soup, &Options::new(Fineness::Points(points)), backend, &unwatched).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Each shape, meshed with tiles of two sizes.

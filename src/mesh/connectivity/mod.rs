@@ -304,6 +304,9 @@ impl<'a> Engine<'a> {
             let mut measured: FxHashSet<u32> = FxHashSet::default();
             let mut again = Vec::new();
             for Candidate { face, kind, change, evaluation } in candidates {
+                if self.context.is_cancelled() {
+                    return;
+                }
                 if evaluation.neighbourhood.iter().any(|face| changed.contains(face)) {
                     again.push(face);
                     continue;
@@ -339,8 +342,11 @@ impl<'a> Engine<'a> {
         }
     }
 
-    /// The edit about a face that gains most, of the first operation that has one.
+    /// The edit about a face that gains most, of the first operation that has one; none in a cancelled run.
     fn best(&self, operations: &[Operation], face: u32) -> Option<Candidate> {
+        if self.context.is_cancelled() {
+            return None;
+        }
         let concerned = operations.iter().filter(|operation| (operation.concerns)(self, face));
         concerned.map(|operation| (operation.propose)(self, face)).find_map(|edits| {
             edits

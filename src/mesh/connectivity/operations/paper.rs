@@ -58,6 +58,9 @@ pub(in super::super) fn clean_up(engine: &mut Engine) {
 
 /// Makes the best edit of a pattern about an element, if its value grows.
 fn replace(engine: &mut Engine, element: u32, pattern: Proposal) {
+    if engine.context.is_cancelled() {
+        return;
+    }
     let best = pattern(engine, element)
         .into_iter()
         .filter_map(|(kind, edit)| Some((gain(engine, &edit)?, kind, edit)))

@@ -64,6 +64,9 @@ pub(in super::super) fn pair_along_strips(engine: &mut Engine) {
     let mut heap: BinaryHeap<_> = (0..strips.len()).map(|k| Reverse((strips[k].cost, strips[k].triangle, k))).collect();
     let mut strips: Vec<Option<Strip>> = strips.into_iter().map(Some).collect();
     while let Some(Reverse((_, triangle, k))) = heap.pop() {
+        if engine.context.is_cancelled() {
+            return;
+        }
         let Some(strip) = strips[k].take() else { continue };
         if !engine.is_triangle(triangle) {
             continue;
@@ -125,6 +128,9 @@ fn make_relaxed(engine: &mut Engine, change: Change, least: f64) -> bool {
 /// The cheapest strip from a triangle to another one, or over a boundary, by Dijkstra's algorithm. `beside` admits a triangle
 /// beside it.
 fn find_strip(engine: &Engine, triangle: u32, beside: bool) -> Option<Strip> {
+    if engine.context.is_cancelled() {
+        return None;
+    }
     let edit = Edit::new(engine.mesh);
     let mut from: FxHashMap<u32, (u32, [u32; 2])> = FxHashMap::default();
     let mut done: FxHashSet<u32> = FxHashSet::default();

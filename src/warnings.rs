@@ -1,0 +1,124 @@
+//! Warnings: what a user should know of a result.
+
+use crate::field::{GuideReport, StretchReport};
+use crate::report::{Asked, Input, Report};
+use crate::surface::{NearRims, Places, shown};
+
+/// A number of vertices that misses the wanted one by a larger share is a warning.
+const COUNT_TOLERANCE: f64 = 0.05;
+
+impl Report {
+    /// What a user should know of the run, a sentence each: guides without full effect, tiles without the wanted aspect, repairs that
+    /// show in the mesh, sheets that touch or cross, and a number of vertices that misses the wanted one. What is wrong with the mesh
+    /// itself is in [`Report::wrong`].
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = of_guides(&self.field.guides);
+        warnings.extend(of_stretch(self.field.stretch.as_ref()));
+        warnings.extend(of_surface(&self.surface));
+        warnings.extend(self.count_warning());
+        warnings
+    }
+
+    /// The differences and faults of the mesh, with places, in a sentence; `None` where there are none.
+    pub fn wrong(&self) -> Option<String> {
+        let faults = (!self.faults.is_clean()).then(|| self.faults.to_string());
+        let said: Vec<String> = self.differences.iter().map(ToString::to_string).chain(faults).collect();
+        (!said.is_empty()).then(|| said.join("; "))
+    }
+
+    fn count_warning(&self) -> Option<String> {
+        let Asked::Points(asked) = self.asked else { return None };
+        let found = self.mesh.vertices;
+        (found.abs_diff(asked) as f64 > COUNT_TOLERANCE * asked as f64).then(|| {
+            let on_features = self.mosaic.on_features;
+            let advice = match found > asked && 2 * on_features > asked {
+                true => format!(
+                    ", as {on_features} tiles lie on features; ask for another number, or for fewer features by --crease"
+                ),
+                false => "; ask for another number".to_owned(),
+            };
+            format!("{found} vertices instead of {asked}{advice}")
+        })
+    }
+}
+
+/// Guides without full effect.
+pub fn of_guides(guides: &[GuideReport]) -> Vec<String> {
+    let told = |guide: &GuideReport| Some(format!("{}: {}", guide.name, guide.trouble.as_ref()?));
+    guides.iter().filter_map(told).collect()
+}
+
+/// Tiles without the wanted aspect.
+pub fn of_stretch(stretch: Option<&StretchReport>) -> Vec<String> {
+    let Some(&StretchReport { aspect, odd_singularities, nearly_square, unguided }) = stretch else {
+        return Vec::new();
+    };
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let square = (nearly_square > 0.0).then(|| {
+        let reason = match odd_singularities {
+            0 => "guides contradict each other there".to_owned(),
+            count => format!(
+                "the field is only a cross about {}, which have no longer side; guides may move or remove them",
+                counted(count, "point")
+            ),
+        };
+        let share = percent(nearly_square);
+        format!("on {share} of the area tiles are squares or nearly so instead of {aspect} to 1: {reason}")
+    });
+    let unguided = (unguided > 0.0).then(|| {
+        format!(
+            "no guide reaches {} of the area, whose tiles are squares; give each part of the surface a guide",
+            percent(unguided)
+        )
+    });
+    square.into_iter().chain(unguided).collect()
+}
+
+/// Repairs that show in the mesh, and sheets that touch or cross without being joined.
+pub fn of_surface(surface: &Input) -> Vec<String> {
+    let told = |places: &Places, noun: &str, what: &str, advice: &str| {
+        let place = places.at.first()?;
+        Some(format!("{} {what}, the first at {}; {advice}", counted(places.count, noun), shown(place)))
+    };
+    let (repairs, contacts) = (&surface.repairs, &surface.contacts);
+    let places = [
+        told(&repairs.joined_edges, "edge", "of more than two triangles", "sheets meet there, in the mesh too"),
+        told(&repairs.dropped_specks, "part", "too small to have a shape left out", "mesh small parts apart"),
+        told(
+            &contacts.crossing,
+            "pair",
+            "of triangles that cross each other",
+            "sheets pass through each other there, in the mesh too; unite or trim them",
+        ),
+        told(
+            &contacts.coincident,
+            "pair",
+            "of triangles that lie on each other",
+            "two walls stand at one place there, in the mesh too; they are not joined: remove one of them",
+        ),
+        told(
+            &contacts.touching,
+            "edge",
+            "of open boundaries that lie inside other triangles",
+            "sheets touch there but are not joined; ask for --imprint",
+        ),
+    ];
+    let rims = contacts.near_rims.as_ref().map(|NearRims { at, gap, length, tolerance }| {
+        format!(
+            "open boundaries run side by side over a length of {length:.4}, with a gap of {gap:.3e} at {}; if they are one, \
+             ask for --weld {tolerance}",
+            shown(at)
+        )
+    });
+    places.into_iter().flatten().chain(rims).collect()
+}
+
+/// `1 corner`, `2 corners`, `0 vertices`.
+pub fn counted(count: usize, what: &str) -> String {
+    match (count, what.strip_suffix("ex"), what.strip_suffix('y')) {
+        (1, ..) => format!("1 {what}"),
+        (_, Some(stem), _) => format!("{count} {stem}ices"),
+        (_, _, Some(stem)) => format!("{count} {stem}ies"),
+        _ => format!("{count} {what}s"),
+    }
+}

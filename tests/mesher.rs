@@ -1,0 +1,95 @@
+//! One mesher for many meshes and several threads, its progress, and the cancellation of its runs.
+
+mod common;
+
+use common::surfaces::example;
+use quadmosaic::pipeline::{Stage, Watch};
+use quadmosaic::{Fineness, Mesher, Options, PipelineError, Soup};
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::thread;
+use std::time::{Duration, Instant};
+
+fn options(points: usize) -> Options {
+    Options::new(Fineness::Points(points))
+}
+
+#[test]
+fn threads_share_a_mesher_and_get_the_meshes_that_they_get_alone() {
+    let mesher = Mesher::cpu();
+    let soups: Vec<Soup> = ["sphere", "torus", "plate", "block"].map(|name| example(name, 1_000)).into();
+    let mesh = |soup: &Soup| mesher.mesh(soup, &options(300)).unwrap_or_else(|error| panic!("{error}")).meshed.mesh;
+    let alone: Vec<_> = soups.iter().map(mesh).collect();
+    let together: Vec<_> = thread::scope(|scope| {
+        let threads: Vec<_> = soups.iter().map(|soup| scope.spawn(|| mesh(soup))).collect();
+        threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+    });
+    assert_eq!(alone, together);
+    assert_ne!(alone[0], alone[1]);
+}
+
+/// The stage of the last call, and the time from the break to the return, where the run is cancelled at a call.
+fn cancelled(soup: &Soup, options: &Options, when: impl Fn(Stage, usize) -> bool + Sync) -> Option<(Stage, Duration)> {
+    let calls = Mutex::new((0, None));
+    let watch: &Watch = &|stage, _| {
+        let mut calls = calls.lock().expect("no call panicked");
+        assert!(calls.1.is_none(), "no call follows a break");
+        calls.0 += 1;
+        if !when(stage, calls.0) {
+            return ControlFlow::Continue(());
+        }
+        calls.1 = Some((stage, Instant::now()));
+        ControlFlow::Break(())
+    };
+    let result = Mesher::cpu().mesh_watched(soup, options, watch);
+    let broken = calls.into_inner().expect("no call panicked").1;
+    assert_eq!(matches!(result, Err(PipelineError::Cancelled(_))), broken.is_some());
+    assert_eq!(result.is_ok(), broken.is_none());
+    broken.map(|(stage, at)| (stage, at.elapsed()))
+}
+
+#[test]
+fn a_run_ends_soon_after_it_is_cancelled_in_any_stage() {
+    let soup = example("m6", 20_000);
+    let stages = [
+        Stage::Surface,
+        Stage::Field,
+        Stage::Mosaic,
+        Stage::Connect,
+        Stage::Fill,
+        Stage::Connectivity,
+        Stage::Relocate,
+        Stage::Finish,
+    ];
+    for stage in stages {
+        let (at, late) = cancelled(&soup, &options(6_000), |now, _| now == stage).expect("it is cancelled");
+        assert_eq!(at, stage);
+        // A tenth of a second is the aim; a machine that is busy may take longer.
+        assert!(late < Duration::from_millis(1_000), "{}: {late:?}", stage.name());
+    }
+    assert!(cancelled(&soup, &options(6_000), |_, _| false).is_none());
+}
+
+#[test]
+fn long_stages_ask_many_times() {
+    let soup = example("m6", 20_000);
+    let calls = Mutex::new(Vec::new());
+    let started = Instant::now();
+    let watch: &Watch = &|stage, share| {
+        calls.lock().expect("no call panicked").push((started.elapsed(), stage, share));
+        ControlFlow::Continue(())
+    };
+    let outcome = Mesher::cpu().mesh_watched(&soup, &options(20_000), watch).unwrap_or_else(|error| panic!("{error}"));
+    let calls = calls.into_inner().expect("no call panicked");
+    for pair in calls.windows(2) {
+        let gap = pair[1].0 - pair[0].0;
+        if gap > Duration::from_millis(50) {
+            println!("{gap:?} in {} at {}", pair[0].1.name(), pair[0].2);
+        }
+    }
+    for (stage, time) in outcome.times {
+        let within = calls.iter().filter(|call| call.1 == stage).count();
+        let is_asked = [Stage::Field, Stage::Mosaic, Stage::Connectivity, Stage::Relocate].contains(&stage);
+        assert!(!is_asked || time < Duration::from_millis(100) || within > 4, "{}: {within} calls", stage.name());
+    }
+}
