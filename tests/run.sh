@@ -38,6 +38,7 @@ else
 fi
 if cargo clippy --version >/dev/null 2>&1; then
     check "cargo clippy" cargo clippy --release --all-targets -- -D warnings
+    check "cargo clippy, Python" cargo clippy --release -p quadmosaic-python -- -D warnings
 else
     skip "cargo clippy" "clippy is not installed (rustup component add clippy)"
 fi
@@ -62,6 +63,16 @@ case $? in
     0) passed=$((passed + 1)) ;;
     77) skip "formats" "the programs that read them cannot be installed" ;;
     *) failed=$((failed + 1)); echo "FAILED formats" ;;
+esac
+
+# What a release is made of.
+check "cargo package" cargo package --quiet --allow-dirty --no-verify
+echo "== python"
+bash tests/python.sh
+case $? in
+    0) passed=$((passed + 1)) ;;
+    77) skip "python" "PyPI cannot be reached" ;;
+    *) failed=$((failed + 1)); echo "FAILED python" ;;
 esac
 
 # One profile, so that the dependencies are built once. A test that skips itself says so in a line of its own, and

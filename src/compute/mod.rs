@@ -117,4 +117,18 @@ pub trait RelaxationContext {
     /// # Errors
     /// Where the device fails or a buffer is too large for it.
     fn relax(&self, tiles: &[Tile], relaxation: &Relaxation) -> Result<Vec<Tile>, ComputeError>;
+
+    /// As [`RelaxationContext::relax`]. It may end early once `is_cancelled` is true; the tiles are of no use then.
+    ///
+    /// # Errors
+    /// As [`RelaxationContext::relax`].
+    fn relax_watched(
+        &self,
+        tiles: &[Tile],
+        relaxation: &Relaxation,
+        is_cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Vec<Tile>, ComputeError> {
+        let _ = is_cancelled;
+        self.relax(tiles, relaxation)
+    }
 }

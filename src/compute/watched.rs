@@ -96,6 +96,8 @@ struct WatchedRelaxation<'a> {
 impl RelaxationContext for WatchedRelaxation<'_> {
     fn relax(&self, tiles: &[Tile], relaxation: &Relaxation) -> Result<Vec<Tile>, ComputeError> {
         self.progress.check()?;
-        self.context.relax(tiles, relaxation)
+        let tiles = self.context.relax_watched(tiles, relaxation, &|| self.progress.is_cancelled())?;
+        self.progress.check()?;
+        Ok(tiles)
     }
 }

@@ -26,7 +26,7 @@ mod singularities;
 mod stretch;
 
 pub use align::Align;
-pub use guide_file::{GuideFault, GuideFileError, read_guides};
+pub use guide_file::{GuideFault, GuideFileError, parse_guides, read_guides};
 pub use guides::{Guide, GuideReport, GuideTrouble, Trace};
 pub use sectors::Sectors;
 pub use singularities::{Singularity, SingularityLocation};

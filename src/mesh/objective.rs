@@ -231,7 +231,8 @@ impl SurfaceMesh {
 
     /// The faces whose normals point against the triangles nearest to their middles, of all sheets.
     pub(crate) fn opposed_faces(&self, context: &Context) -> Vec<u32> {
-        let is_opposed = |&face: &u32| !self.face(face).is_empty() && self.opposes_nearest(context, face);
+        let is_opposed =
+            |&face: &u32| !self.face(face).is_empty() && !context.is_cancelled() && self.opposes_nearest(context, face);
         (0..self.face_bound() as u32).into_par_iter().with_min_len(1024).filter(is_opposed).collect()
     }
 

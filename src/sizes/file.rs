@@ -111,6 +111,15 @@ pub fn read_sizes(path: &Path) -> Result<Vec<SizeSample>, SizeFileError> {
     if samples.is_empty() { Err(SizeFileError::NoSizes { file }) } else { Ok(samples) }
 }
 
+/// The samples of rows of numbers, each x, y, z and the size. Errors call them `name`.
+///
+/// # Errors
+/// Where a number is not finite, a size is not above 0, or there is no row.
+pub fn samples(rows: &[[f64; 4]], name: &str) -> Result<Vec<SizeSample>, SizeFileError> {
+    let samples = of_ply(rows, name)?;
+    if samples.is_empty() { Err(SizeFileError::NoSizes { file: name.to_owned() }) } else { Ok(samples) }
+}
+
 fn of_ply(rows: &[[f64; 4]], file: &str) -> Result<Vec<SizeSample>, SizeFileError> {
     let sample = |(vertex, &row): (usize, &[f64; 4])| {
         sample(row).map_err(|fault| SizeFileError::Vertex { file: file.to_owned(), vertex, fault })

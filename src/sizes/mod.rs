@@ -17,7 +17,7 @@ mod file;
 mod growth;
 mod wanted;
 
-pub use file::{SizeFileError, SizeSample, read_sizes};
+pub use file::{SizeFileError, SizeSample, read_sizes, samples};
 pub use wanted::SizeOptions;
 
 use crate::geometry::barycentric;

@@ -54,4 +54,13 @@ impl RelaxationContext for CpuRelaxation<'_> {
     fn relax(&self, tiles: &[Tile], relaxation: &Relaxation) -> Result<Vec<Tile>, ComputeError> {
         Ok(relax::relax(self.surface, tiles, relaxation))
     }
+
+    fn relax_watched(
+        &self,
+        tiles: &[Tile],
+        relaxation: &Relaxation,
+        is_cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Vec<Tile>, ComputeError> {
+        Ok(relax::relax_watched(self.surface, tiles, relaxation, is_cancelled))
+    }
 }

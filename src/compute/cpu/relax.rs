@@ -29,9 +29,22 @@ pub const ARC: [f32; 3] = [0.16666667, 0.075, 0.04464286];
 
 /// Takes a batch of steps on the CPU.
 pub fn relax(surface: &RelaxationSurface, tiles: &[Tile], relaxation: &Relaxation) -> Vec<Tile> {
+    relax_watched(surface, tiles, relaxation, &|| false)
+}
+
+/// Takes a batch of steps on the CPU, or fewer where `is_cancelled` becomes true.
+pub fn relax_watched(
+    surface: &RelaxationSurface,
+    tiles: &[Tile],
+    relaxation: &Relaxation,
+    is_cancelled: &(dyn Fn() -> bool + Sync),
+) -> Vec<Tile> {
     let mut tiles = tiles.to_vec();
     let mut lists = Vec::new();
     for step in 0..relaxation.steps {
+        if is_cancelled() {
+            break;
+        }
         if step.is_multiple_of(LIST_STEPS) {
             lists = neighbours::lists(&tiles, relaxation.cell);
         }

@@ -134,12 +134,18 @@ pub enum GuideFileError {
 pub fn read_guides(path: &Path) -> Result<Vec<Guide>, GuideFileError> {
     let file = path.display().to_string();
     let bytes = fs::read(path).map_err(|source| GuideFileError::Unreadable { file: file.clone(), source })?;
-    let text = String::from_utf8_lossy(&bytes);
+    parse_guides(&String::from_utf8_lossy(&bytes), &file)
+}
+
+/// Reads the guides of a text as [`read_guides`] does those of a file. Errors and guides call it `name`.
+///
+/// # Errors
+/// As [`read_guides`].
+pub fn parse_guides(text: &str, name: &str) -> Result<Vec<Guide>, GuideFileError> {
     let text = text.trim_start_matches('\u{feff}');
-    let guides =
-        if text.trim_start().starts_with(['{', '[']) { json::read(text, &file) } else { csv::read(text, &file) };
+    let guides = if text.trim_start().starts_with(['{', '[']) { json::read(text, name) } else { csv::read(text, name) };
     match guides {
-        Ok(guides) if guides.is_empty() => Err(GuideFileError::NoGuides { file }),
+        Ok(guides) if guides.is_empty() => Err(GuideFileError::NoGuides { file: name.to_owned() }),
         guides => guides,
     }
 }

@@ -1,0 +1,281 @@
+"""Quad-dominant surface meshes from triangle surfaces.
+
+    result = quadmosaic.mesh(vertices, triangles, points=6000)
+    result.vertices, result.quads, result.triangles
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._native import Cancelled, SurfaceError
+
+if TYPE_CHECKING:
+    import meshio
+    import pyvista
+    import trimesh
+
+__all__ = ["Cancelled", "MeshWarning", "Result", "Surface", "SurfaceError", "load", "mesh", "save"]
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+Path = Union[str, "os.PathLike[str]"]
+Length = Union[float, str]
+Guide = Union[Sequence[Any], "dict[str, Any]"]
+"""(point, direction[, radius[, weight]]), or a dict with point and direction, or with the points of a stroke; both perhaps with radius
+and weight."""
+
+
+class MeshWarning(UserWarning):
+    """What a user should know of a result."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Triangles of a file."""
+
+    vertices: Floats
+    """(n, 3), in the order of the file."""
+    triangles: Integers
+    """(k, 3), counted from 0; polygons are split."""
+    regions: Integers
+    """(k,): the region of each triangle, an index into region_names; 0 where there is none."""
+    region_names: list[str]
+    """Empty where the file has no regions."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """A finished mesh."""
+
+    vertices: Floats
+    """(n, 3), in the units of the surface."""
+    quads: Integers
+    """(m, 4), counter-clockwise seen from outside."""
+    triangles: Integers
+    """(k, 3)."""
+    polygons: list[Integers]
+    """Faces of more than four corners: with holes="leave" alone."""
+    regions: Integers
+    """The region of each face: quads, then triangles, then polygons; an index into region_names, 0 where there is none."""
+    region_names: list[str]
+    """Empty where the surface has no regions."""
+    source: Integers
+    """(n,): the triangle of the surface that each vertex lies on."""
+    kind: Integers
+    """(n,): 0 free, 1 on a boundary, 2 on a feature curve, 3 a corner."""
+    report: dict[str, Any]
+    """The figures that the command line writes by --report."""
+    _meshed: _native.Meshed = field(repr=False, compare=False)
+
+    def to_pyvista(self) -> pyvista.PolyData:
+        """The mesh as pyvista.PolyData, with the arrays region, kind and source."""
+        import pyvista
+
+        sizes = [(self.quads, 4), (self.triangles, 3)]
+        faces = [np.insert(faces, 0, size, axis=1).ravel() for faces, size in sizes]
+        faces += [np.insert(polygon, 0, len(polygon)) for polygon in self.polygons]
+        mesh = pyvista.PolyData(self.vertices, faces=np.concatenate(faces))
+        mesh.cell_data["region"] = self.regions
+        mesh.point_data["kind"] = self.kind
+        mesh.point_data["source"] = self.source
+        return mesh
+
+    def to_trimesh(self) -> trimesh.Trimesh:
+        """The mesh as trimesh.Trimesh: each quad is two triangles, and polygons are left out."""
+        import trimesh
+
+        faces = np.concatenate([self.quads[:, [0, 1, 2]], self.quads[:, [0, 2, 3]], self.triangles])
+        return trimesh.Trimesh(self.vertices, faces, process=False)
+
+    def to_meshio(self) -> meshio.Mesh:
+        """The mesh as meshio.Mesh, with the arrays region, kind and source; polygons are left out."""
+        import meshio
+
+        quads, faces = len(self.quads), len(self.quads) + len(self.triangles)
+        blocks = [("quad", self.quads, self.regions[:quads]), ("triangle", self.triangles, self.regions[quads:faces])]
+        blocks = [block for block in blocks if len(block[1]) > 0]
+        return meshio.Mesh(
+            self.vertices,
+            [(kind, cells) for kind, cells, _ in blocks],
+            point_data={"kind": self.kind, "source": self.source},
+            cell_data={"region": [regions for _, _, regions in blocks]},
+        )
+
+
+def mesh(
+    vertices: npt.ArrayLike,
+    triangles: npt.ArrayLike,
+    points: Optional[int] = None,
+    *,
+    guides: Union[Path, Sequence[Guide], None] = None,
+    sizes: Union[Path, npt.ArrayLike, None] = None,
+    progress: Optional[Callable[[str, float], Optional[bool]]] = None,
+    regions: Optional[npt.ArrayLike] = None,
+    region_names: Optional[Sequence[str]] = None,
+    size: Optional[float] = None,
+    refine_curvature: Optional[float] = None,
+    around: Optional[int] = None,
+    max_growth: Optional[float] = None,
+    weld: Optional[Length] = None,
+    imprint: bool = False,
+    drop_parts: Optional[Length] = None,
+    fill_holes: Optional[Length] = None,
+    crease: Optional[float] = None,
+    ignore_regions: bool = False,
+    feature_edges: Union[Path, npt.ArrayLike, None] = None,
+    ridge: Optional[float] = None,
+    align: Optional[str] = None,
+    rows: Optional[str] = None,
+    fit: Optional[float] = None,
+    fit_range: Optional[float] = None,
+    aspect: Optional[float] = None,
+    max_distance: Optional[float] = None,
+    max_angle: Optional[float] = None,
+    holes: Optional[str] = None,
+    quads: Optional[str] = None,
+    no_cleanup: bool = False,
+    smoothing: Optional[int] = None,
+    backend: str = "auto",
+    adapter: Optional[str] = None,
+    threads: int = 0,
+) -> Result:
+    """Meshes triangles.
+
+    vertices: (n, 3). triangles: (k, 3), counted from 0. points: the wanted number of vertices, 6000 where neither size nor sizes is
+    given. guides: a file, or a list of Guide. sizes: a file, or rows of x, y, z and the wanted edge length there. progress: called with
+    the name of a stage and the share of it that is done; where it returns False, Cancelled is raised. regions: the region of each
+    triangle, an index into region_names. feature_edges: a file, or pairs of vertices.
+
+    The other options are those of `quadmosaic mesh`, with _ for -; None is the default there. All threads of a process share its
+    backends, each of which is made once.
+
+    Raises SurfaceError where the surface is faulty, ValueError where an option is, and RuntimeError where the backend fails. Warns by
+    MeshWarning.
+    """
+    values: dict[str, Any] = {name: value for name, value in locals().items() if name in _OPTIONS}
+    if points is not None and size is not None:
+        raise ValueError("points cannot be used with size; give one of them")
+    if quads is not None and no_cleanup:
+        raise ValueError("no_cleanup cannot be used with quads; give one of them")
+    meshed = _native.mesh(
+        _floats(vertices, "vertices"),
+        _integers(triangles, "triangles"),
+        None if regions is None else _regions(regions, region_names),
+        [(name, _text(value)) for name, value in values.items() if value is not None and value is not False],
+        _guides(guides),
+        _path(sizes) or (None if sizes is None else _floats(sizes, "sizes")),
+        _path(feature_edges) or (None if feature_edges is None else _integers(feature_edges, "feature_edges")),
+        (backend, adapter, _text(threads)),
+        progress,
+    )
+    for warning in meshed.warnings:
+        warnings.warn(warning, MeshWarning, stacklevel=2)
+    return Result(
+        vertices=meshed.vertices(),
+        quads=meshed.faces(4),
+        triangles=meshed.faces(3),
+        polygons=meshed.polygons(),
+        regions=meshed.regions(),
+        region_names=meshed.region_names(),
+        source=meshed.source(),
+        kind=meshed.kind(),
+        report=json.loads(meshed.report),
+        _meshed=meshed,
+    )
+
+
+def load(path: Path, *, format: Optional[str] = None) -> Surface:
+    """Reads the triangles of an OBJ, STL, PLY, OFF, MSH, VTK, VTU or VTP file, perhaps in gzip, told apart by content.
+
+    format: that of a file whose content leaves it open. Raises SurfaceError, with the line or the triangle where one is wrong.
+    """
+    vertices, triangles, names, regions = _native.load(os.fspath(path), format)
+    return Surface(vertices, triangles, regions, names)
+
+
+def save(path: Path, mesh: Union[Result, Surface], *, format: Optional[str] = None) -> None:
+    """Writes a mesh or a surface to a file, whole or not at all.
+
+    format: obj, ply, stl, off, vtk, vtu, msh, msh22, su2, inp, bdf or glb; without it, the extension tells it.
+    """
+    if isinstance(mesh, Result):
+        mesh._meshed.save(os.fspath(path), format)
+        return
+    none = np.empty((0, 4), dtype=np.int64)
+    regions = (mesh.region_names, mesh.regions) if mesh.region_names else None
+    vertices, triangles = _floats(mesh.vertices, "vertices"), _integers(mesh.triangles, "triangles")
+    _native.save(os.fspath(path), format, vertices, none, triangles, regions)
+
+
+_OPTIONS = frozenset(_native.option_names())
+
+
+def _text(value: Any) -> str:
+    """A value as the command line writes it."""
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    return str(value.item() if isinstance(value, np.generic) else value)
+
+
+def _path(value: Any) -> Optional[str]:
+    return os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
+
+
+def _floats(array: npt.ArrayLike, name: str) -> Floats:
+    return _two_dimensional(np.asarray(array, dtype=np.float64), name)
+
+
+def _integers(array: npt.ArrayLike, name: str) -> Integers:
+    given = np.asarray(array)
+    if given.size > 0 and given.dtype.kind not in "iu":
+        raise ValueError(f"{name} has the type {given.dtype}; give whole numbers")
+    return _two_dimensional(given.astype(np.int64, copy=False), name)
+
+
+def _two_dimensional(array: npt.NDArray[Any], name: str) -> npt.NDArray[Any]:
+    if array.ndim != 2:
+        raise ValueError(f"{name} has {array.ndim} dimensions; give rows and columns")
+    return array
+
+
+def _regions(regions: npt.ArrayLike, names: Optional[Sequence[str]]) -> tuple[list[str], Integers]:
+    numbers = np.asarray(regions)
+    if numbers.ndim != 1 or numbers.size > 0 and numbers.dtype.kind not in "iu":
+        raise ValueError("regions are one whole number for each triangle")
+    count = int(numbers.max(initial=-1)) + 1
+    named = [f"region_{number}" for number in range(count)] if names is None else list(names)
+    return named, numbers.astype(np.int64, copy=False)
+
+
+def _guides(guides: Union[Path, Sequence[Guide], None]) -> Optional[tuple[bool, str]]:
+    """A file, or the text of one in JSON."""
+    if guides is None:
+        return None
+    if isinstance(guides, (str, os.PathLike)):
+        return True, os.fspath(guides)
+    vectors: list[dict[str, Any]] = []
+    strokes: list[dict[str, Any]] = []
+    for guide in guides:
+        if not isinstance(guide, dict):
+            guide = dict(zip(("point", "direction", "radius", "weight"), guide))
+        (strokes if "points" in guide else vectors).append(guide)
+    if not vectors and not strokes:
+        return None
+    return False, json.dumps({"guides": vectors, "strokes": strokes}, default=_plain)
+
+
+def _plain(value: Any) -> Any:
+    """An array or a number of numpy as JSON has it."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    raise TypeError(f"{value!r} is no number")

@@ -1,0 +1,231 @@
+//! The native part of the Python package: arrays in, arrays out. Names, defaults and classes are Python's.
+
+mod convert;
+mod error;
+mod run;
+
+use convert::{Regions, flat, integers, points, rows};
+use error::{Cancelled, SurfaceError, of_load, of_pipeline, of_value};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+use quadmosaic::export::{Format, MeshFile, write_mesh};
+use quadmosaic::field::{parse_guides, read_guides};
+use quadmosaic::mesh::{Mesh, VertexAttributes};
+use quadmosaic::sizes::{read_sizes, samples};
+use quadmosaic::surface::{Ends, NamedEdge, load as loading, read_edges};
+use quadmosaic::{Fineness, Options, Soup};
+use std::path::{Path, PathBuf};
+
+/// A finished mesh, with its report as JSON.
+#[pyclass(frozen)]
+struct Meshed {
+    file: MeshFile,
+    attributes: Vec<VertexAttributes>,
+    #[pyo3(get)]
+    report: String,
+    #[pyo3(get)]
+    warnings: Vec<String>,
+}
+
+#[pymethods]
+impl Meshed {
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        flat(py, self.file.mesh().points.as_flattened().to_vec(), 3)
+    }
+
+    /// The faces of so many corners.
+    fn faces<'py>(&self, py: Python<'py>, corners: usize) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        let faces = self.file.mesh().faces().filter(|face| face.len() == corners);
+        flat(py, faces.flatten().map(|&v| i64::from(v)).collect(), corners)
+    }
+
+    /// The faces of more than four corners.
+    fn polygons<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyArray1<i64>>> {
+        let faces = self.file.mesh().faces().filter(|face| face.len() > 4);
+        faces.map(|face| integers(py, face.iter().map(|&v| i64::from(v)))).collect()
+    }
+
+    /// The region of each face: quads, triangles, larger faces.
+    fn regions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let mesh = self.file.mesh();
+        let region = |face: usize| i64::from(mesh.regions.of_face.get(face).copied().unwrap_or(0));
+        let of_kind = |is_kind: fn(usize) -> bool| {
+            mesh.faces().enumerate().filter(move |(_, face)| is_kind(face.len())).map(move |(face, _)| region(face))
+        };
+        integers(py, of_kind(|n| n == 4).chain(of_kind(|n| n == 3)).chain(of_kind(|n| n > 4)))
+    }
+
+    fn region_names(&self) -> Vec<String> {
+        self.file.mesh().regions.names.clone()
+    }
+
+    /// The triangle of the input that each vertex lies on.
+    fn source<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        integers(py, self.attributes.iter().map(|vertex| i64::from(vertex.triangle)))
+    }
+
+    /// 0 free, 1 on a boundary, 2 on a feature curve, 3 a corner.
+    fn kind<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        integers(py, self.attributes.iter().map(|vertex| vertex.kind as i64))
+    }
+
+    fn save(&self, py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyResult<()> {
+        written(py, &path, format, &self.file)
+    }
+}
+
+/// Meshes triangles.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "each is an argument of Python's function")]
+fn mesh(
+    py: Python<'_>,
+    vertices: PyReadonlyArray2<'_, f64>,
+    triangles: PyReadonlyArray2<'_, i64>,
+    regions: Option<Regions<'_>>,
+    options: Vec<(String, String)>,
+    guides: Option<(bool, String)>,
+    sizes: Option<Sizes<'_>>,
+    edges: Option<Edges<'_>>,
+    machine: run::Machine,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Meshed> {
+    let soup = soup(&vertices, &triangles, regions)?;
+    let mut all = Options::new(Fineness::Points(6_000));
+    all.sizes.samples = match sizes {
+        None => Vec::new(),
+        Some(Sizes::Rows(rows)) => samples(&points::<4>(&rows, "sizes")?, "sizes").map_err(of_value)?,
+        Some(Sizes::File(path)) => read_sizes(&path).map_err(of_value)?,
+    };
+    if !all.sizes.samples.is_empty() {
+        all.fineness = Fineness::Sampled;
+    }
+    for (name, value) in options {
+        all.set(&name, &value).map_err(of_value)?;
+    }
+    all.field.guides = match guides {
+        None => Vec::new(),
+        Some((true, path)) => read_guides(Path::new(&path)).map_err(of_value)?,
+        Some((false, text)) => parse_guides(&text, "guides").map_err(of_value)?,
+    };
+    all.edges = match edges {
+        None => Vec::new(),
+        Some(Edges::Pairs(pairs)) => named_edges(&rows::<2>(&pairs, soup.points.len(), "feature_edges")?),
+        Some(Edges::File(path)) => read_edges(&path).map_err(of_value)?,
+    };
+
+    let mesher = machine.mesher(py)?;
+    let outcome = run::watched(py, progress.as_ref(), |watch| {
+        machine.on_threads(|| {
+            let outcome = mesher.mesh_watched(&soup, &all, watch)?;
+            let report = mesher.report("arrays", &all, &outcome);
+            Ok((MeshFile::new(&outcome.meshed.mesh, &outcome.meshed.vertices, &soup), outcome.meshed.vertices, report))
+        })
+    })?;
+    let (file, attributes, report) = outcome?.map_err(of_pipeline)?;
+    let warnings = report.warnings().into_iter().chain(report.wrong()).collect();
+    let report = serde_json::to_string(&report).map_err(of_value)?;
+    Ok(Meshed { file, attributes, report, warnings })
+}
+
+/// Sizes at points: rows of x, y, z and the size, or a file.
+#[derive(FromPyObject)]
+enum Sizes<'py> {
+    Rows(PyReadonlyArray2<'py, f64>),
+    File(PathBuf),
+}
+
+/// Edges that are features: pairs of vertices, or a file.
+#[derive(FromPyObject)]
+enum Edges<'py> {
+    Pairs(PyReadonlyArray2<'py, i64>),
+    File(PathBuf),
+}
+
+fn named_edges(pairs: &[[u32; 2]]) -> Vec<NamedEdge> {
+    let named =
+        |(k, &ends): (usize, &[u32; 2])| NamedEdge { ends: Ends::Vertices(ends), name: format!("feature_edges[{k}]") };
+    pairs.iter().enumerate().map(named).collect()
+}
+
+fn soup(
+    vertices: &PyReadonlyArray2<'_, f64>,
+    triangles: &PyReadonlyArray2<'_, i64>,
+    regions: Option<Regions<'_>>,
+) -> PyResult<Soup> {
+    let points = points(vertices, "vertices")?;
+    let triangles = rows(triangles, points.len(), "triangles")?;
+    let mut soup = Soup::new(points, triangles);
+    if let Some(regions) = regions {
+        soup.regions = regions.of(soup.triangles.len())?;
+    }
+    Ok(soup)
+}
+
+/// The vertices, triangles, names of regions and regions of a file.
+#[pyfunction]
+#[expect(clippy::type_complexity, reason = "a tuple of arrays")]
+fn load<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    format: Option<&str>,
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, Vec<String>, Bound<'py, PyArray1<i64>>)> {
+    let format = format.map(str::parse).transpose().map_err(of_value)?;
+    let soup = py.detach(|| loading::read_as(&path, format)).map_err(of_load)?;
+    let triangles = soup.triangles.as_flattened().iter().map(|&v| i64::from(v)).collect();
+    let mut regions = soup.regions.of_face;
+    regions.resize(soup.triangles.len(), 0);
+    Ok((
+        flat(py, soup.points.into_flattened(), 3)?,
+        flat(py, triangles, 3)?,
+        soup.regions.names,
+        integers(py, regions.into_iter().map(i64::from)),
+    ))
+}
+
+/// Writes quads and triangles to a file.
+#[pyfunction]
+fn save(
+    py: Python<'_>,
+    path: PathBuf,
+    format: Option<&str>,
+    vertices: PyReadonlyArray2<'_, f64>,
+    quads: PyReadonlyArray2<'_, i64>,
+    triangles: PyReadonlyArray2<'_, i64>,
+    regions: Option<Regions<'_>>,
+) -> PyResult<()> {
+    let mut mesh = Mesh::new(points(&vertices, "vertices")?);
+    let count = mesh.points.len();
+    rows::<4>(&quads, count, "quads")?.iter().for_each(|face| mesh.push_face(face));
+    rows::<3>(&triangles, count, "triangles")?.iter().for_each(|face| mesh.push_face(face));
+    if let Some(regions) = regions {
+        mesh.regions = regions.of(mesh.face_count())?;
+    }
+    written(py, &path, format, &MeshFile::from(&mesh))
+}
+
+fn written(py: Python<'_>, path: &Path, format: Option<&str>, file: &MeshFile) -> PyResult<()> {
+    let format = match format {
+        Some(format) => format.parse::<Format>(),
+        None => Format::from_extension(path),
+    };
+    let format = format.map_err(of_value)?;
+    py.detach(|| write_mesh(path, format, file)).map_err(error::of_write)
+}
+
+/// The command line: does what the arguments ask for, and returns the exit code.
+#[pyfunction]
+fn command_line(py: Python<'_>, arguments: Vec<String>) -> u8 {
+    py.detach(|| quadmosaic::cli::main(arguments))
+}
+
+/// The names of the options of `mesh`.
+#[pyfunction]
+fn option_names() -> Vec<&'static str> {
+    quadmosaic::options::NAMES.to_vec()
+}
+
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::{Cancelled, Meshed, SurfaceError, command_line, load, mesh, option_names, save};
+}

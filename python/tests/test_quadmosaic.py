@@ -1,0 +1,307 @@
+"""The Python package: arrays, files, options, errors, progress, threads, the command line."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import warnings
+from pathlib import Path
+from typing import Any, Optional
+
+import numpy as np
+import pytest
+
+import quadmosaic
+from quadmosaic import _native
+
+CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
+CUBE = np.array(
+    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
+     [1, 5, 7], [1, 7, 3]]
+)
+
+
+def torus(rings: int, sides: int) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    u, v = np.meshgrid(np.arange(rings) * 2 * np.pi / rings, np.arange(sides) * 2 * np.pi / sides, indexing="ij")
+    radius = 1 + 0.4 * np.cos(v)
+    vertices = np.stack([radius * np.cos(u), radius * np.sin(u), 0.4 * np.sin(v)], axis=-1).reshape(-1, 3)
+    i, j = np.meshgrid(np.arange(rings), np.arange(sides), indexing="ij")
+    a, b = i * sides + j, (i + 1) % rings * sides + j
+    c, d = (i + 1) % rings * sides + (j + 1) % sides, i * sides + (j + 1) % sides
+    return vertices, np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
+
+
+def mesh(*arrays: Any, points: Optional[int] = 400, **options: Any) -> quadmosaic.Result:
+    return quadmosaic.mesh(*arrays, points=points, backend="cpu", **options)
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-m", "quadmosaic", *arguments], capture_output=True, text=True, timeout=100)
+
+
+def volume(result: quadmosaic.Result) -> float:
+    faces = np.concatenate([result.quads[:, [0, 1, 2]], result.quads[:, [0, 2, 3]], result.triangles])
+    a, b, c = (result.vertices[faces[:, k]] for k in range(3))
+    return float((np.cross(a, b) * c).sum() / 6)
+
+
+def test_arrays_become_a_closed_mesh_on_the_surface() -> None:
+    result = mesh(CORNERS, CUBE)
+    assert (result.vertices.dtype, result.quads.dtype) == (np.float64, np.int64)
+    assert result.vertices.shape[1:] == (3,) and result.quads.shape[1:] == (4,) and result.triangles.shape[1:] == (3,)
+    assert abs(len(result.vertices) - 400) < 20 and len(result.quads) > 20 * len(result.triangles)
+    assert volume(result) == pytest.approx(1.0, abs=1e-12)
+    # Each vertex lies in the plane of its triangle, and corners of the cube are vertices.
+    a, b, c = (CORNERS[CUBE[result.source, k]] for k in range(3))
+    off = ((result.vertices - a) * np.cross(b - a, c - a)).sum(axis=1)
+    assert np.abs(off).max() < 1e-12
+    assert sorted(map(tuple, result.vertices[result.kind == 3])) == sorted(map(tuple, CORNERS))
+    assert result.report["mesh"]["vertices"] == len(result.vertices) and result.report["faults"]["list"] == []
+
+
+def test_the_same_arrays_of_other_types_give_the_same_mesh() -> None:
+    first = mesh(CORNERS, CUBE)
+    for vertices, triangles in [
+        (CORNERS.astype(np.float32), CUBE.astype(np.uint8)),
+        (CORNERS.tolist(), CUBE.tolist()),
+        (np.asfortranarray(CORNERS), np.repeat(CUBE, 2, axis=0)[::2]),
+    ]:
+        other = mesh(vertices, triangles)
+        assert np.array_equal(first.vertices, other.vertices) and np.array_equal(first.quads, other.quads)
+    assert len(mesh(CORNERS, CUBE, points=800).vertices) > 1.5 * len(first.vertices)
+
+
+def test_regions_keep_their_faces() -> None:
+    result = mesh(CORNERS, CUBE, regions=np.arange(12) // 2 % 2, region_names=["odd", "even"])
+    assert result.region_names == ["odd", "even"] and len(result.regions) == len(result.quads) + len(result.triangles)
+    region = np.arange(12) // 2 % 2
+    middle = result.vertices[result.quads].mean(axis=1)
+    on_x0 = middle[:, 0] == 0
+    assert on_x0.any() and (result.regions[: len(middle)][on_x0] == region[0]).all()
+    with pytest.raises(ValueError, match="there are 3 regions for 12 faces"):
+        mesh(CORNERS, CUBE, regions=[0, 1, 0])
+
+
+FORMATS = ["obj", "ply", "stl", "off", "vtk", "vtu", "msh", "msh22", "su2", "inp", "bdf", "glb"]
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_files_are_those_of_the_command_line(tmp_path: Path, format: str) -> None:
+    cube, ours, theirs = tmp_path / "cube.off", tmp_path / f"ours.{format}", tmp_path / f"theirs.{format}"
+    quadmosaic.save(cube, quadmosaic.Surface(CORNERS, CUBE, np.zeros(12, dtype=np.int64), []))
+    surface = quadmosaic.load(cube)
+    assert np.array_equal(surface.vertices, CORNERS) and np.array_equal(surface.triangles, CUBE)
+    quadmosaic.save(ours, mesh(surface.vertices, surface.triangles, points=100), format=format)
+    done = command("mesh", str(cube), "--points", "100", "--backend", "cpu", "-o", str(theirs), "--to", format, "-q")
+    assert done.returncode == 0 and done.stderr == ""
+    assert ours.read_bytes() == theirs.read_bytes()
+    if format in ["obj", "ply", "stl", "off", "vtk", "vtu", "msh"]:
+        assert len(quadmosaic.load(ours, format=format).triangles) > 100
+
+
+def test_a_faulty_file_names_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "bad.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 zero\nf 1 2 3\n")
+    with pytest.raises(quadmosaic.SurfaceError, match="line 3") as caught:
+        quadmosaic.load(path)
+    assert (caught.value.line, caught.value.triangle) == (3, None)
+    with pytest.raises(FileNotFoundError):
+        quadmosaic.load(tmp_path / "none.obj")
+    with pytest.raises(ValueError, match="the formats are obj"):
+        quadmosaic.save(tmp_path / "mesh.xyz", mesh(CORNERS, CUBE))
+
+
+def test_a_faulty_array_names_its_triangle() -> None:
+    wrong = CUBE.copy()
+    wrong[5, 1] = 8
+    with pytest.raises(quadmosaic.SurfaceError, match=r"triangles\[5\] uses vertex 8") as caught:
+        mesh(CORNERS, wrong)
+    assert (caught.value.line, caught.value.triangle) == (None, 5)
+    with pytest.raises(quadmosaic.SurfaceError, match="no triangles"):
+        mesh(CORNERS, CUBE[:0])
+    with pytest.raises(quadmosaic.SurfaceError, match="not finite"):
+        mesh(np.where(CORNERS == 0, np.nan, CORNERS), CUBE)
+    with pytest.raises(ValueError, match=r"triangles has the shape \(12, 2\)"):
+        mesh(CORNERS, CUBE[:, :2])
+    with pytest.raises(ValueError, match="whole numbers"):
+        mesh(CORNERS, CUBE + 0.5)
+
+
+WRONG = {
+    "points": 3,
+    "size": -1.0,
+    "refine_curvature": 91.0,
+    "around": 101,
+    "max_growth": 1.0,
+    "weld": "3%%",
+    "drop_parts": "0",
+    "fill_holes": "x",
+    "crease": 181.0,
+    "ridge": 0.5,
+    "align": "normals",
+    "fit": 1.5,
+    "fit_range": 11.0,
+    "aspect": 21.0,
+    "max_distance": 0.5,
+    "max_angle": 46.0,
+    "smoothing": 1001,
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_options_have_the_messages_of_the_command_line(name: str) -> None:
+    value = WRONG[name]
+    with pytest.raises(ValueError, match=f"^invalid value '.*' for {name}: ") as caught:
+        quadmosaic.mesh(CORNERS, CUBE, backend="cpu", **{name: value})  # type: ignore[arg-type]
+    message = str(caught.value).split(": ", 1)[1]
+    said = command("mesh", "example:block", "-o", "none.obj", f"--{name.replace('_', '-')}={value}").stderr
+    assert message in " ".join(said.split()), said
+
+
+def test_options_are_those_of_the_library_and_keywords() -> None:
+    parameters = inspect.signature(quadmosaic.mesh).parameters
+    assert set(_native.option_names()) <= set(parameters)
+    positional = [name for name, it in parameters.items() if it.kind is not inspect.Parameter.KEYWORD_ONLY]
+    assert positional == ["vertices", "triangles", "points"]
+    assert len(mesh(CORNERS, CUBE, quads="all").triangles) == 0
+    assert len(mesh(CORNERS, CUBE, no_cleanup=True).triangles) >= len(mesh(CORNERS, CUBE).triangles)
+    for wrong in [{"quads": "few"}, {"points": 100, "size": 0.1}, {"quads": "all", "no_cleanup": True}]:
+        with pytest.raises(ValueError):
+            quadmosaic.mesh(CORNERS, CUBE, backend="cpu", **wrong)  # type: ignore[arg-type]
+    for wrong in [{"backend": "tpu"}, {"threads": -1}]:
+        with pytest.raises(ValueError, match="invalid value"):
+            quadmosaic.mesh(CORNERS, CUBE, **{"backend": "cpu", **wrong})  # type: ignore[arg-type]
+
+
+def test_guides_and_sizes_from_lists_and_files(tmp_path: Path) -> None:
+    vertices, triangles = torus(40, 20)
+    plain = mesh(vertices, triangles)
+    guide = ([1.4, 0.0, 0.0], [0.0, 1.0, 1.0], 0.3)
+    guided = mesh(vertices, triangles, guides=[guide])
+    assert guided.report["field"]["guides"][0]["crosses"] > 0
+    assert not np.array_equal(plain.vertices, guided.vertices)
+    path = tmp_path / "guides.csv"
+    path.write_text("1.4,0,0,0,1,1,0.3\n")
+    for same in [path, str(path), [dict(point=np.array(guide[0]), direction=guide[1], radius=np.float32(0.3))]]:
+        other = mesh(vertices, triangles, guides=same)
+        assert np.allclose(other.vertices, guided.vertices, atol=1e-6)
+    with pytest.raises(ValueError, match=r"guides, guides\[0\]: the direction"):
+        mesh(vertices, triangles, guides=[([0, 0, 0], [0, 0, 0])])
+
+    sizes = np.array([[1.4, 0, 0, 0.05], [-1.4, 0, 0, 0.2]])
+    graded = mesh(vertices, triangles, points=None, sizes=sizes)
+    right = (graded.vertices[:, 0] > 0).mean()
+    assert right > 0.6 and abs((plain.vertices[:, 0] > 0).mean() - 0.5) < 0.05
+    with pytest.raises(ValueError, match="sizes, vertex 1"):
+        mesh(vertices, triangles, sizes=sizes * [1, 1, 1, -1] + [[0, 0, 0, 1], [0, 0, 0, 0]])
+
+
+def test_warnings_are_warned() -> None:
+    with pytest.warns(quadmosaic.MeshWarning, match="away from the surface"):
+        mesh(CORNERS, CUBE, guides=[([9, 9, 9], [1, 0, 0])])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mesh(CORNERS, CUBE)
+
+
+def test_progress_is_told_and_can_cancel() -> None:
+    told: list[tuple[str, float]] = []
+    caller = threading.current_thread()
+
+    def note(stage: str, share: float) -> None:
+        assert threading.current_thread() is caller
+        told.append((stage, share))
+
+    mesh(CORNERS, CUBE, progress=note)
+    assert told and all(0 <= share <= 1 for _, share in told)
+    with pytest.raises(quadmosaic.Cancelled):
+        mesh(CORNERS, CUBE, points=200_000, progress=lambda stage, share: False)
+
+    def fails(stage: str, share: float) -> None:
+        raise KeyError(stage)
+
+    with pytest.raises(KeyError):
+        mesh(CORNERS, CUBE, points=200_000, progress=fails)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_ends_a_run_within_a_second() -> None:
+    script = (
+        "import sys; sys.path.insert(0, sys.argv[1]); from test_quadmosaic import *\n"
+        "print('go', flush=True)\n"
+        "try: mesh(*torus(400, 200), points=1_000_000)\n"
+        "except KeyboardInterrupt: print('interrupted', flush=True)\n"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, str(Path(__file__).parent)], stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None and process.stdout.readline() == "go\n"
+    time.sleep(1.0)
+    sent = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    assert process.stdout.readline() == "interrupted\n"
+    took = time.monotonic() - sent
+    process.wait(timeout=60)
+    print(f"interrupted after {took:.3f} s")
+    assert took < 1.0
+
+
+def test_other_threads_run_during_a_mesh() -> None:
+    counted, stop = [0], threading.Event()
+
+    def count() -> None:
+        while not stop.is_set():
+            counted[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    began, before = time.monotonic(), counted[0]
+    mesh(*torus(100, 50), points=20_000)
+    took, during = time.monotonic() - began, counted[0] - before
+    stop.set()
+    thread.join()
+    assert during > 20 * took, f"{during} in {took} s"
+
+
+def test_threads_share_a_backend_and_get_the_same_mesh() -> None:
+    alone = mesh(CORNERS, CUBE)
+    found: list[quadmosaic.Result] = []
+    threads = [threading.Thread(target=lambda: found.append(mesh(CORNERS, CUBE, threads=1))) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(found) == 4 and all(np.array_equal(other.vertices, alone.vertices) for other in found)
+
+
+def test_other_packages_take_the_mesh() -> None:
+    result = mesh(CORNERS, CUBE)
+    faces = len(result.quads) + len(result.triangles)
+    pyvista = pytest.importorskip("pyvista")
+    assert result.to_pyvista().n_cells == faces and result.to_pyvista().volume == pytest.approx(1.0, abs=1e-6)
+    assert pyvista is not None
+    pytest.importorskip("trimesh")
+    assert result.to_trimesh().is_watertight and result.to_trimesh().volume == pytest.approx(1.0)
+    pytest.importorskip("meshio")
+    cells = result.to_meshio().cells
+    assert sum(len(block.data) for block in cells) == faces and cells[0].type == "quad"
+
+
+def test_holes_can_be_left_as_polygons() -> None:
+    result = mesh(*torus(60, 30), points=2_000, holes="leave", no_cleanup=True, smoothing=0)
+    assert result.polygons and all(len(polygon) > 4 for polygon in result.polygons)
+    assert len(result.regions) == len(result.quads) + len(result.triangles) + len(result.polygons)
+
+
+def test_the_command_line_is_there() -> None:
+    done = command("--version")
+    assert done.returncode == 0 and done.stdout.startswith("quadmosaic ")
+    assert command("mesh").returncode == 2
+    done = command("mesh", "none.stl", "-o", "out.obj")
+    assert done.returncode == 1 and done.stderr.startswith("error: there is no file none.stl")

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Builds the wheel, installs it in a clean virtual environment, and runs the Python package's tests and type checks there. The exit
+# code is 77 where PyPI cannot be reached.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+exec </dev/null
+
+missing() {
+    echo "$1" >&2
+    if [ "${CI-}" = true ]; then exit 1; else exit 77; fi
+}
+
+folder=$PWD/target/python
+tools=$folder/tools
+python3 -c 'import ensurepip' 2>/dev/null || missing "python3 makes no virtual environment (apt-get install python3-venv)"
+if ! "$tools/bin/maturin" --version >/dev/null 2>&1; then
+    python3 -m venv "$tools" || missing "python3 makes no virtual environment"
+    "$tools/bin/pip" install --quiet --disable-pip-version-check 'maturin>=1.16,<2' ||
+        missing "maturin cannot be installed from PyPI"
+fi
+
+rm -rf "$folder/wheels" "$folder/venv"
+(cd python && "$tools/bin/maturin" build --release --quiet --out "$folder/wheels") || exit 1
+python3 -m venv "$folder/venv" || exit 1
+"$folder/venv/bin/pip" install --quiet --disable-pip-version-check numpy pytest mypy trimesh meshio pyvista ||
+    missing "numpy, pytest, mypy, trimesh, meshio and pyvista cannot be installed from PyPI"
+"$folder/venv/bin/pip" install --quiet --disable-pip-version-check --no-index "$folder"/wheels/*.whl || exit 1
+
+# The installed package is tested, not the folder beside the tests.
+cd python/tests || exit 1
+"$folder/venv/bin/python" -m pytest -q -p no:cacheprovider -c ../pyproject.toml --rootdir . . &&
+    "$folder/venv/bin/mypy" --config-file ../pyproject.toml --cache-dir "$folder/mypy" -p quadmosaic &&
+    "$folder/venv/bin/mypy" --config-file ../pyproject.toml --cache-dir "$folder/mypy" test_quadmosaic.py
