@@ -11,7 +11,7 @@ import os
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,7 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 Path = Union[str, "os.PathLike[str]"]
 Length = Union[float, str]
+T = TypeVar("T")
 Guide = Union[Sequence[Any], "dict[str, Any]"]
 """(point, direction[, radius[, weight]]), or a dict with point and direction, or with the points of a stroke; both perhaps with radius
 and weight."""
@@ -173,8 +174,8 @@ def mesh(
         None if regions is None else _regions(regions, region_names),
         [(name, _text(value)) for name, value in values.items() if value is not None and value is not False],
         _guides(guides),
-        _path(sizes) or (None if sizes is None else _floats(sizes, "sizes")),
-        _path(feature_edges) or (None if feature_edges is None else _integers(feature_edges, "feature_edges")),
+        _file_or(_floats, sizes, "sizes"),
+        _file_or(_integers, feature_edges, "feature_edges"),
         (backend, adapter, _text(threads)),
         progress,
     )
@@ -227,8 +228,11 @@ def _text(value: Any) -> str:
     return str(value.item() if isinstance(value, np.generic) else value)
 
 
-def _path(value: Any) -> Optional[str]:
-    return os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
+def _file_or(array: Callable[[npt.ArrayLike, str], T], value: Any, name: str) -> Union[str, T, None]:
+    """The path of a file, or an array."""
+    if value is None:
+        return None
+    return os.fspath(value) if isinstance(value, (str, os.PathLike)) else array(value, name)
 
 
 def _floats(array: npt.ArrayLike, name: str) -> Floats:

@@ -36,8 +36,8 @@ def torus(rings: int, sides: int) -> tuple[np.ndarray[Any, Any], np.ndarray[Any,
     return vertices, np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
 
 
-def mesh(*arrays: Any, points: Optional[int] = 400, **options: Any) -> quadmosaic.Result:
-    return quadmosaic.mesh(*arrays, points=points, backend="cpu", **options)
+def mesh(vertices: Any, triangles: Any, points: Optional[int] = 400, **options: Any) -> quadmosaic.Result:
+    return quadmosaic.mesh(vertices, triangles, points, backend="cpu", **options)
 
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -52,7 +52,7 @@ def volume(result: quadmosaic.Result) -> float:
 
 def test_arrays_become_a_closed_mesh_on_the_surface() -> None:
     result = mesh(CORNERS, CUBE)
-    assert (result.vertices.dtype, result.quads.dtype) == (np.float64, np.int64)
+    assert result.vertices.dtype == np.float64 and result.quads.dtype == np.int64
     assert result.vertices.shape[1:] == (3,) and result.quads.shape[1:] == (4,) and result.triangles.shape[1:] == (3,)
     assert abs(len(result.vertices) - 400) < 20 and len(result.quads) > 20 * len(result.triangles)
     assert volume(result) == pytest.approx(1.0, abs=1e-12)
@@ -170,12 +170,18 @@ def test_options_are_those_of_the_library_and_keywords() -> None:
     assert positional == ["vertices", "triangles", "points"]
     assert len(mesh(CORNERS, CUBE, quads="all").triangles) == 0
     assert len(mesh(CORNERS, CUBE, no_cleanup=True).triangles) >= len(mesh(CORNERS, CUBE).triangles)
-    for wrong in [{"quads": "few"}, {"points": 100, "size": 0.1}, {"quads": "all", "no_cleanup": True}]:
-        with pytest.raises(ValueError):
-            quadmosaic.mesh(CORNERS, CUBE, backend="cpu", **wrong)  # type: ignore[arg-type]
-    for wrong in [{"backend": "tpu"}, {"threads": -1}]:
-        with pytest.raises(ValueError, match="invalid value"):
-            quadmosaic.mesh(CORNERS, CUBE, **{"backend": "cpu", **wrong})  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="invalid value 'few' for quads: write one of paper, most, all"):
+        mesh(CORNERS, CUBE, quads="few")
+    with pytest.raises(ValueError, match="points cannot be used with size"):
+        mesh(CORNERS, CUBE, points=100, size=0.1)
+    with pytest.raises(ValueError, match="no_cleanup cannot be used with quads"):
+        mesh(CORNERS, CUBE, quads="all", no_cleanup=True)
+    with pytest.raises(ValueError, match="invalid value 'tpu' for backend: write one of auto, cpu, gpu"):
+        quadmosaic.mesh(CORNERS, CUBE, backend="tpu")
+    with pytest.raises(ValueError, match="invalid value '-1' for threads"):
+        mesh(CORNERS, CUBE, threads=-1)
+    with pytest.raises(TypeError, match="layers"):
+        mesh(CORNERS, CUBE, layers=3)
 
 
 def test_guides_and_sizes_from_lists_and_files(tmp_path: Path) -> None:

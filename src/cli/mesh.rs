@@ -1,24 +1,18 @@
 //! `quadmosaic mesh`.
 
 use super::backend::Machine;
-use super::field_arguments::FieldArguments;
-use super::fineness::FinenessArguments;
 use super::input::Source;
-use super::layout::LayoutArguments;
 use super::mesh_output::MeshOutput;
+use super::method::MethodArguments;
 use super::output::{Output, expect_writable, picture_path, print_beside, warn, write_json};
 use super::picture;
 use super::summary;
 use anyhow::Context;
-use clap::{Args, CommandFactory, ValueEnum, error::ErrorKind};
+use clap::{Args, CommandFactory, error::ErrorKind};
 use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::export::MeshFile;
-use quadmosaic::mesh::connect::ConnectOptions;
-use quadmosaic::mesh::connectivity::{self, ConnectivityOptions};
-use quadmosaic::mesh::fill;
-use quadmosaic::options::{degrees, distance, up_to};
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
-use quadmosaic::pipeline::{Options, Stage};
+use quadmosaic::pipeline::Stage;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -36,41 +30,11 @@ pub struct Arguments {
     output: MeshOutput,
 
     #[command(flatten)]
-    fineness: FinenessArguments,
-    #[command(flatten)]
-    directions: FieldArguments,
-
-    /// L: the longest edge, in tile sides (1 to 10)
-    #[arg(long, value_name = "L", default_value_t = 1.6, value_parser = distance, help_heading = "Connection")]
-    max_distance: f64,
-    /// Theta: the largest angle between an edge and its row, in degrees (1 to 45)
-    #[arg(
-        long,
-        value_name = "THETA",
-        default_value_t = 30.0,
-        value_parser = degrees::<45>,
-        help_heading = "Connection"
-    )]
-    max_angle: f64,
-    /// How faces with more than four sides are filled
-    #[arg(long, value_enum, default_value_t, help_heading = "Connection")]
-    holes: Holes,
-    /// The triangles that become quads
-    #[arg(long, value_enum, default_value_t, help_heading = "Connection")]
-    quads: Quads,
-    /// Do not optimise the connectivity: keep the triangles of the filling
-    #[arg(long, conflicts_with = "quads", help_heading = "Connection")]
-    no_cleanup: bool,
+    method: MethodArguments,
     /// Exit with code 3 and write no file where the mesh has a fault, or differs from the surface in its Euler characteristic,
     /// boundary loops or components, or lacks a part of it; without this option that is a warning
     #[arg(long, help_heading = "Connection")]
     strict: bool,
-    /// Passes of vertex relocation, 0 to 1000; 0: vertices stay at the centres of tiles
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
-    smoothing: usize,
-
-    #[command(flatten)]
-    layout: LayoutArguments,
 
     #[command(flatten)]
     machine: Machine,
@@ -93,31 +57,9 @@ Examples:
   Edges of 20 mm on a model in metres, rows along x near the point 1,0,0.5, figures as JSON:
     quadmosaic mesh car.stl --size 0.02 --guide 1,0,0.5,1,0,0 --report car.json -o quads.obj";
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-enum Holes {
-    /// Split into quads and at most one triangle each
-    #[default]
-    Patterns,
-    /// Split into triangles
-    Triangles,
-    /// Left as polygons
-    Leave,
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-enum Quads {
-    /// Those that the paper's clean-up finds
-    Paper,
-    /// Those whose change improves the mesh: triangles move until they meet, short rows are inserted or removed
-    #[default]
-    Most,
-    /// All, at some cost of shape
-    All,
-}
-
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.expect_writable()?;
-    let options = arguments.options()?;
+    let options = arguments.method.options()?;
     arguments.machine.start_threads()?;
     let name = arguments.source.to_string();
 
@@ -150,8 +92,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if !arguments.quiet {
         print_beside([&arguments.output.output].into_iter().chain(&arguments.report), &summary::of_run(&report))?;
     }
-    warn(report.warnings());
     warn(wrong.map(|wrong| format!("{}: {wrong}", arguments.output.output)));
+    warn(report.warnings());
     Ok(())
 }
 
@@ -160,7 +102,7 @@ impl Arguments {
     fn expect_writable(&self) -> anyhow::Result<()> {
         let conflict = |message| super::Arguments::command().error(ErrorKind::ArgumentConflict, message).into();
         let format = self.output.format()?;
-        if matches!(self.holes, Holes::Leave) && !format.takes_polygons() {
+        if self.method.leaves_holes() && !format.takes_polygons() {
             return Err(conflict(format!(
                 "{format} has no faces of more than four corners; --holes leave does not go with it"
             )));
@@ -176,29 +118,6 @@ impl Arguments {
             taken.push(path);
         }
         Ok(())
-    }
-
-    fn options(&self) -> anyhow::Result<Options> {
-        let rest = Options {
-            sizes: self.fineness.sizes()?,
-            connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
-            holes: match self.holes {
-                Holes::Patterns => fill::Holes::Patterns,
-                Holes::Triangles => fill::Holes::Triangles,
-                Holes::Leave => fill::Holes::Leave,
-            },
-            connectivity: (!self.no_cleanup).then(|| ConnectivityOptions {
-                quads: match self.quads {
-                    Quads::Paper => connectivity::Quads::Paper,
-                    Quads::Most => connectivity::Quads::Most,
-                    Quads::All => connectivity::Quads::All,
-                },
-                ..ConnectivityOptions::default()
-            }),
-            smoothing: self.smoothing,
-            ..Options::new(self.fineness.fineness())
-        };
-        self.layout.options(&self.directions, rest)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand. Nothing else prints.
 
 mod backend;
+mod batch;
 mod check;
 mod devices;
 mod example;
@@ -12,6 +13,7 @@ mod input;
 mod layout;
 mod mesh;
 mod mesh_output;
+mod method;
 mod mosaic;
 mod output;
 mod picture;
@@ -41,6 +43,7 @@ Examples:
 #[derive(Subcommand)]
 enum Command {
     Mesh(Box<mesh::Arguments>),
+    Batch(Box<batch::Arguments>),
     Field(Box<field::Arguments>),
     Mosaic(Box<mosaic::Arguments>),
     Picture(Box<picture::Arguments>),
@@ -79,6 +82,7 @@ fn sentence(error: &anyhow::Error) -> String {
 fn run(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Command::Mesh(arguments) => mesh::run(&arguments),
+        Command::Batch(arguments) => batch::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
         Command::Mosaic(arguments) => mosaic::run(&arguments),
         Command::Picture(arguments) => picture::run(&arguments),
