@@ -49,12 +49,12 @@ fn rows_on_a_rectangle_are_straight_and_keep_to_its_sides() {
         let phases = Parametrization::solve(&surface, &field, |_| side * cell, Rows::Paper, &Cpu)
             .expect("the CPU does not fail");
         let points = integer_grid(&surface, &field, &phases, (side * cell) as f32);
-        let off = off_whole(points.iter().flat_map(|point| in_cells(point.position.into())));
+        let off = off_whole(points.iter().flat_map(|point| in_cells(point.place())));
         // Parametrization are f32 and in radians: 1e-6 of a tile, and 200 sweeps of them.
         assert_eq!(off < 1e-4, fits, "{side}: {off}");
         if fits {
             let mut places: Vec<[i64; 2]> =
-                points.iter().map(|point| in_cells(point.position.into()).map(|x| x.round() as i64)).collect();
+                points.iter().map(|point| in_cells(point.place()).map(|x| x.round() as i64)).collect();
             places.sort_unstable();
             places.dedup();
             assert_eq!(places.len() as u32, (columns / 2 + 1) * (rows / 2 + 1), "a tile at each crossing");

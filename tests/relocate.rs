@@ -226,11 +226,11 @@ fn meshes_of_tiles_get_better_and_features_keep_their_vertices() {
         for (old, new) in before.vertices().iter().zip(laid.vertices()) {
             match (old.place, new.place) {
                 (Place::Free, Place::Free) => {}
-                (Place::Corner, Place::Corner) => assert_eq!(old.point, new.point, "{name}"),
+                (Place::Corner, Place::Corner) => assert_eq!(old.coordinates(), new.coordinates(), "{name}"),
                 (Place::OnCurve { curve: a, .. }, Place::OnCurve { curve: b, .. }) => {
                     assert_eq!(a, b, "{name}");
-                    assert!(off_curve(&surface, b, new.point) < 1e-6, "{name}");
-                    moved += usize::from(old.point != new.point);
+                    assert!(off_curve(&surface, b, new.coordinates().into()) < 1e-6, "{name}");
+                    moved += usize::from(old.coordinates() != new.coordinates());
                 }
                 places => panic!("{name}: {places:?}"),
             }

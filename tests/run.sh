@@ -55,6 +55,11 @@ if cargo clippy --version >/dev/null 2>&1; then
     done
 fi
 check "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --quiet
+# Public signatures name no type of the crates for vectors and for the GPU.
+own_types() {
+    ! grep -rlE '\b(D?Vec[234]|D?Mat[234])\b|wgpu::' target/doc/quadmosaic --include='*.html'
+}
+check "public types" own_types
 
 # Programs that are not ours read the formats.
 echo "== formats"

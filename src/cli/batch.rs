@@ -122,14 +122,23 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let rows = match jobs {
         0 => all(),
         // A surface takes a worker of this pool and its loops those threads alone.
-        _ => rayon::ThreadPoolBuilder::new().num_threads(*jobs).build().context("the jobs cannot be started")?.install(all),
+        _ => rayon::ThreadPoolBuilder::new()
+            .num_threads(*jobs)
+            .build()
+            .context("the jobs cannot be started")?
+            .install(all),
     }?;
 
     write_table(&output.join(TABLE), &rows)?;
     let count = |status: &str| rows.iter().filter(|row| row.status == status).count();
     let (wrong, failed) = (count(WRONG), count(FAILED));
     if !quiet {
-        print(&format!("{} surfaces, {} meshes without fault, {}\n", rows.len(), count(OK), output.join(TABLE).display()))?;
+        print(&format!(
+            "{} surfaces, {} meshes without fault, {}\n",
+            rows.len(),
+            count(OK),
+            output.join(TABLE).display()
+        ))?;
     }
     ensure!(wrong + failed == 0, "of {} surfaces {failed} have no mesh, and {wrong} one with a fault", rows.len());
     Ok(())

@@ -23,16 +23,16 @@ pub enum Place {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
     /// Unit-sized coordinates.
-    pub point: DVec3,
+    pub(crate) point: DVec3,
     /// Its place on the surface.
     pub place: Place,
     /// The triangles of the surface on the two sides of its curve; twice the same where it is free or on a boundary, and
     /// `u32::MAX` where more than two sides meet.
     pub triangles: [u32; 2],
     /// Unit normal of the surface; rough on features.
-    pub normal: DVec3,
+    pub(crate) normal: DVec3,
     /// A unit tangent direction of the cross; rough on features.
-    pub axis: DVec3,
+    pub(crate) axis: DVec3,
     /// Its wanted valence, in faces: 4, and on features one for each right angle.
     pub valence: u8,
     /// Its vertex in the triangulation; `u32::MAX` for a vertex that an edit has added.
@@ -40,6 +40,11 @@ pub struct Vertex {
 }
 
 impl Vertex {
+    /// Its unit-sized coordinates.
+    pub fn coordinates(&self) -> [f64; 3] {
+        self.point.into()
+    }
+
     /// Whether it lies off all features.
     pub fn is_free(&self) -> bool {
         self.place == Place::Free

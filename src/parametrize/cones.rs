@@ -44,7 +44,7 @@ impl Cone {
     }
 
     /// Its place on the surface, in unit-sized coordinates.
-    pub fn position(&self, surface: &Surface, parametrization: &Parametrization) -> DVec3 {
+    pub(crate) fn position(&self, surface: &Surface, parametrization: &Parametrization) -> DVec3 {
         let [a, b, c] = surface.corners(self.triangle as usize).map(|p| p.as_dvec3());
         let [x, y, z] = self.barycentric(parametrization);
         a * x + b * y + c * z

@@ -23,9 +23,16 @@ pub struct GridPoint {
     /// Its triangle.
     pub triangle: u32,
     /// Its place, in unit-sized coordinates.
-    pub position: Vec3,
+    pub(crate) position: Vec3,
     /// The side of the tile to come, in unit-sized coordinates.
     pub side: f32,
+}
+
+impl GridPoint {
+    /// Its place, in unit-sized coordinates.
+    pub fn place(&self) -> [f32; 3] {
+        self.position.into()
+    }
 }
 
 /// The points where two rows cross, tiles being of the field's sizes at the scale `h`. A point on an edge is found in each of
