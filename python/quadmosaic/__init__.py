@@ -36,6 +36,11 @@ Guide = Union[Sequence[Any], "dict[str, Any]"]
 and weight."""
 
 
+if "XDG_RUNTIME_DIR" not in os.environ:
+    # On a server without a desktop, a layer that Mesa puts before the driver of a GPU complains on stderr at every start.
+    os.environ.setdefault("NODEVICE_SELECT", "1")
+
+
 class MeshWarning(UserWarning):
     """What a user should know of a result."""
 
