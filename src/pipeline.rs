@@ -23,7 +23,7 @@ use crate::mesh::fill::{Holes, fill};
 use crate::mesh::finish::{Finished, finish, joined};
 use crate::mesh::relocate::relocate;
 use crate::mesh::snap::snap;
-use crate::mesh::triangulate::triangulate;
+use crate::mesh::triangulate::triangulate_while;
 use crate::mesh::{Context, Mesh, SurfaceMesh, Triangulation, VertexAttributes};
 use crate::mosaic::{self, Effort, Mosaic, MosaicBuilder};
 use crate::parametrize::Rows;
@@ -257,7 +257,9 @@ pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch)
 
     clock.begin(Stage::Connect)?;
     let context = || Context::new(&surface).watched(progress);
-    let (triangulation, context) = rayon::join(|| triangulate(&surface, &field, &mosaic), context);
+    let triangulation = || triangulate_while(&surface, &field, &mosaic, &|| !progress.is_cancelled());
+    let (triangulation, context) = rayon::join(triangulation, context);
+    let triangulation = triangulation.ok_or(Cancelled)?;
     let meshed = meshed(context, &mosaic, &triangulation, options, &mut clock)?;
 
     let times = clock.finish()?;

@@ -121,7 +121,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let all = || items.par_iter().with_max_len(1).map(one).collect::<anyhow::Result<Vec<Row>>>();
     let rows = match jobs {
         0 => all(),
-        // A surface takes a worker of this pool and its loops those threads alone.
+        // The loops of all surfaces share the threads of this pool.
         _ => rayon::ThreadPoolBuilder::new()
             .num_threads(*jobs)
             .build()

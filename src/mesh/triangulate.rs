@@ -55,14 +55,24 @@ pub struct Triangulation {
 
 /// Triangulates the tiles of a mosaic.
 pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangulation {
+    triangulate_while(surface, field, mosaic, &|| true).unwrap_or_else(|| unreachable!("it goes on"))
+}
+
+/// As [`triangulate`], as long as `goes_on`; `None` where it does not.
+pub(crate) fn triangulate_while(
+    surface: &Surface,
+    field: &Field,
+    mosaic: &Mosaic,
+    goes_on: &dyn Fn() -> bool,
+) -> Option<Triangulation> {
     let mut builder = TriangulationBuilder::new(surface, field, mosaic.metric.as_ref());
     let cones = builder.insert_cones();
     let samples = builder.insert_feature_samples(surface, mosaic);
     builder.release_ends(mosaic, &samples);
-    let free = builder.insert_free_tiles(surface, mosaic, &cones);
+    let free = builder.insert_free_tiles(surface, mosaic, &cones, goes_on)?;
     let mut is_tile = vec![false; builder.faces.leaving.len()];
     samples.iter().chain(&free).for_each(|&vertex| is_tile[vertex as usize] = true);
-    let extra = builder.remove_surface_vertices(&is_tile);
+    let extra = builder.remove_surface_vertices(&is_tile, goes_on)?;
     let order: Vec<u32> = samples.iter().chain(&free).chain(&extra).copied().collect();
     let mut tiles: Vec<Tile> =
         mosaic.feature_samples.iter().map(|sample| mosaic.tiles[sample.first_side as usize]).collect();
@@ -98,7 +108,7 @@ pub fn triangulate(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Triangu
     };
     let vertices = tiles.iter().enumerate().map(vertex).collect();
     let (feature_samples, extra) = (samples.len(), extra.len());
-    Triangulation { faces, tiles, sides, vertices, factors, feature_samples, extra, same_place }
+    Some(Triangulation { faces, tiles, sides, vertices, factors, feature_samples, extra, same_place })
 }
 
 /// The number of faces at a regular vertex.
@@ -324,7 +334,13 @@ impl<'a> TriangulationBuilder<'a> {
     }
 
     /// Inserts the tiles off features; returns their vertices.
-    fn insert_free_tiles(&mut self, surface: &Surface, mosaic: &Mosaic, cones: &[u32]) -> Vec<u32> {
+    fn insert_free_tiles(
+        &mut self,
+        surface: &Surface,
+        mosaic: &Mosaic,
+        cones: &[u32],
+        goes_on: &dyn Fn() -> bool,
+    ) -> Option<Vec<u32>> {
         let tiles = mosaic.free();
         let mut vertices = vec![NONE; tiles.len()];
         if let Some(grid) = self.grid {
@@ -340,6 +356,9 @@ impl<'a> TriangulationBuilder<'a> {
         let mut face = 0;
         let mut triangle = NONE;
         for i in order {
+            if !goes_on() {
+                return None;
+            }
             let tile = &tiles[i as usize];
             if tile.triangle != triangle {
                 triangle = tile.triangle;
@@ -369,7 +388,7 @@ impl<'a> TriangulationBuilder<'a> {
             self.legalize_within(surface, &mut sides);
             face = new / 3;
         }
-        vertices
+        Some(vertices)
     }
 
     /// Flips edges until they are Delaunay, but for edges of the surface.
@@ -418,7 +437,7 @@ impl<'a> TriangulationBuilder<'a> {
     }
 
     /// Removes the vertices that are no tiles; returns those that the topology needs.
-    fn remove_surface_vertices(&mut self, is_tile: &[bool]) -> Vec<u32> {
+    fn remove_surface_vertices(&mut self, is_tile: &[bool], goes_on: &dyn Fn() -> bool) -> Option<Vec<u32>> {
         let faces = &mut self.faces;
         let mut stack: Vec<u32> = (0..faces.origin.len() as u32).collect();
         faces.legalize(&mut stack, |_, _| true, |_, _, _, length| length);
@@ -427,6 +446,9 @@ impl<'a> TriangulationBuilder<'a> {
         loop {
             let before = waiting.len();
             waiting.retain(|&v| {
+                if !goes_on() {
+                    return true;
+                }
                 near.clear();
                 faces.visit_neighbours(v, |w| near.push(w));
                 if !faces.remove(v, &mut ring) {
@@ -441,7 +463,7 @@ impl<'a> TriangulationBuilder<'a> {
                 false
             });
             if waiting.is_empty() || waiting.len() == before {
-                return waiting;
+                return goes_on().then_some(waiting);
             }
         }
     }
