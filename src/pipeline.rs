@@ -338,7 +338,8 @@ pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize)
         Surface::repaired(soup, features, &options.repairs, side)?.with_edges(soup, &options.edges, features)?;
     let count = count(&surface, options)?;
     let side = mosaic::side_for_count(&surface, count);
-    let mut surface = surface.with_contacts(f64::from(side)).fitted(features, side);
+    let thin_sides = options.sizes.thin_sides(&surface, f64::from(side));
+    let mut surface = surface.with_contacts(f64::from(side)).fitted_to(features, side, thin_sides.as_deref());
     if surface.parts(mosaic::longest_edges(&surface, &Sizes::equal(), count, options.aspect)[0]) > MOST_PARTS * count {
         surface = surface.coarsened(f64::from(side), features);
     }

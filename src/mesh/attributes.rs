@@ -9,7 +9,7 @@ use super::objective::Context;
 use super::surface_mesh::SurfaceMesh;
 use super::vertex::{Place, Vertex};
 use crate::mosaic::{FeaturePoint, Mosaic};
-use crate::surface::{NONE, Surface};
+use crate::surface::{NONE, Projected, Surface};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -45,7 +45,20 @@ pub struct VertexAttributes {
 
 /// The points, in model units, and the attributes of the vertices of a compacted mesh.
 pub(crate) fn attributes(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic) -> Vec<([f64; 3], VertexAttributes)> {
-    mesh.vertices().par_iter().with_min_len(256).map(|vertex| attributes_of(context, vertex, mosaic)).collect()
+    let vertices = mesh.vertices().par_iter().with_min_len(256);
+    let mut known: Vec<_> = vertices.map(|vertex| attributes_of(context, vertex, mosaic)).collect();
+    let projected = |(vertex, (_, known)): (&Vertex, &([f64; 3], VertexAttributes))| Projected {
+        point: vertex.point,
+        normal: vertex.normal,
+        is_on_feature: matches!(known.kind, VertexKind::Boundary | VertexKind::Feature),
+    };
+    let places = context.surface.projected(&mesh.vertices().iter().zip(&known).map(projected).collect::<Vec<_>>());
+    for ((point, known), place) in known.iter_mut().zip(places.into_iter().flatten()) {
+        if let Some(place) = place.filter(|_| known.kind != VertexKind::Corner) {
+            *point = place;
+        }
+    }
+    known
 }
 
 fn attributes_of(context: &Context, vertex: &Vertex, mosaic: &Mosaic) -> ([f64; 3], VertexAttributes) {

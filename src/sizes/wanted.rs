@@ -54,6 +54,20 @@ impl SizeOptions {
         }
     }
 
+    /// The sides of tiles that thin parts ask for, at each vertex, where other tiles have this side, all in unit-sized coordinates;
+    /// `None` without thin parts.
+    pub(crate) fn thin_sides(&self, surface: &Surface, side: f64) -> Option<Vec<f64>> {
+        let girths = self.girths(surface, side)?;
+        let mut sides: Vec<f64> = girths.iter().map(|girth| self.thin_side(side, *girth)).collect();
+        Growth::new(surface).limit(&mut sides, self.growth - 1.0);
+        Some(sides)
+    }
+
+    /// The side of tiles on a part of a girth, where other tiles have this side.
+    fn thin_side(&self, side: f64, girth: f64) -> f64 {
+        side.min((girth / self.around).max(THINNEST * side))
+    }
+
     /// The number of tiles of the sides that the samples give as they are, in model units.
     ///
     /// # Errors
@@ -179,7 +193,7 @@ impl Wanted<'_> {
         }
         if let Some(girths) = &self.girths {
             for (side, girth) in sides.iter_mut().zip(girths) {
-                *side = side.min((girth / self.options.around).max(THINNEST * *side));
+                *side = self.options.thin_side(*side, *girth);
             }
         }
         growth.limit(&mut sides, self.options.growth - 1.0);

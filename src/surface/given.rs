@@ -51,6 +51,13 @@ impl Given {
         }
     }
 
+    /// The weighted mean of vertices, in model units; exact where the vertices have the same coordinate.
+    pub fn mean<const N: usize>(&self, vertices: &[u32; N], weights: &[f64; N]) -> [f64; 3] {
+        let first = DVec3::from(self.points[vertices[0] as usize]);
+        let offset = |(&v, &weight): (&u32, &f64)| (DVec3::from(self.points[v as usize]) - first) * weight;
+        (first + vertices.iter().zip(weights).map(offset).sum::<DVec3>()).into()
+    }
+
     /// Replaces the coordinates of the points that moved from `before`, in unit-sized coordinates.
     pub fn follow(&mut self, before: &[Vec3], after: &[Vec3], frame: &Frame) {
         for ((given, before), after) in self.points.iter_mut().zip(before).zip(after) {

@@ -22,6 +22,7 @@ mod edge_file;
 mod edges;
 pub mod examples;
 mod features;
+mod fine;
 pub(crate) mod girth;
 mod given;
 mod holes;
@@ -50,14 +51,17 @@ pub(crate) use curve::shared_curves;
 pub use denoise::Denoised;
 pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use features::{DroppedEdge, FeatureOptions, Features, Reason};
+pub(crate) use fine::Projected;
 pub use regions::Regions;
 pub use repairs::{Length, Places, RepairOptions, Repairs};
 pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
 
 use crate::geometry::{cross, dot, unit};
 use adjacency::Adjacency;
+use fine::Fine;
 use given::Given;
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 use thiserror::Error;
 use weld::Welded;
 
@@ -233,6 +237,8 @@ pub struct Surface {
     dropped: Vec<DroppedEdge>,
     denoised: Option<Denoised>,
     given: Given,
+    /// The surface before it was coarsened; `None` where it was not.
+    fine: Option<Arc<Fine>>,
     undivided: Undivided,
     frame: Frame,
     repairs: Repairs,
@@ -277,6 +283,7 @@ impl Surface {
             dropped: Vec::new(),
             denoised: None,
             given,
+            fine: None,
             undivided: Undivided::default(),
             frame,
             repairs,
@@ -315,8 +322,13 @@ impl Surface {
 
     /// The same surface with the features for tiles of side `h`, unit-sized: noise is smoothed, creases that do not persist are
     /// dropped, turns that a curve takes back within a tile are no corners, and ridges become edges.
-    pub fn fitted(mut self, options: &FeatureOptions, h: f32) -> Self {
-        self.drop_creases(options, f64::from(h));
+    pub fn fitted(self, options: &FeatureOptions, h: f32) -> Self {
+        self.fitted_to(options, h, None)
+    }
+
+    /// As [`Surface::fitted`], with creases that persist for tiles of `sides`, unit-sized, at the vertices, where these are given.
+    pub(crate) fn fitted_to(mut self, options: &FeatureOptions, h: f32, sides: Option<&[f64]>) -> Self {
+        self.drop_creases(options, f64::from(h), sides);
         let before = self.points.clone();
         for _ in 0..denoise::MOST_ROUNDS {
             if options.every_crease || !denoise::is_noisy(&self, &self.dropped, f64::from(h)) {
@@ -325,7 +337,7 @@ impl Surface {
             self.points = denoise::smoothed(&self, f64::from(h));
             self.denoised = Some(Denoised::of(&before, &self));
             self.features = Features::find(&self, options);
-            self.drop_creases(options, f64::from(h));
+            self.drop_creases(options, f64::from(h), sides);
         }
         self.given.follow(&before, &self.points, &self.frame);
         self.features.apexes = apexes::apexes(&self, f64::from(h));
@@ -342,12 +354,12 @@ impl Surface {
     }
 
     /// Drops the creases that do not persist for tiles of a side, unit-sized, and bridges gaps between the others.
-    fn drop_creases(&mut self, options: &FeatureOptions, side: f64) {
+    fn drop_creases(&mut self, options: &FeatureOptions, side: f64, sides: Option<&[f64]>) {
         self.dropped.clear();
         let mut marked = self.features.marked();
         for is_last in [false, true] {
             self.features = Features::along(self, marked, options.corner, side);
-            let persistent = persistence::persistent(self, options, side);
+            let persistent = persistence::persistent(self, options, side, sides);
             let known = self.dropped.iter().map(|edge| edge.crease + 1).max().unwrap_or(0);
             let dropped = persistent.dropped.into_iter();
             self.dropped.extend(dropped.map(|edge| DroppedEdge { crease: known + edge.crease, ..edge }));
