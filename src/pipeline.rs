@@ -199,6 +199,13 @@ pub struct Meshed {
     pub differences: Vec<Difference>,
 }
 
+impl Meshed {
+    /// The number of faults and differences.
+    fn wrong(&self) -> usize {
+        self.faults.list.len() + self.differences.len()
+    }
+}
+
 /// The least [`ConnectivityOptions::regularity`] where rows are continuous.
 const CONTINUOUS_REGULARITY: f64 = 1.0;
 /// The least number of sweeps of a field that sides follow: sides fit a harmonic angle best.
@@ -212,14 +219,43 @@ const SIZE_ROUNDS: usize = 4;
 /// them, and tiles do not need them.
 const MOST_PARTS: usize = 8;
 
+/// A mesh with faults of no more vertices than this is made again with half as many points more.
+pub const FEW_POINTS: usize = 300;
+/// The most rounds of this.
+const MORE_POINTS_ROUNDS: usize = 4;
+
 /// The numbers of vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 
 /// Meshes a soup of triangles. `progress` receives each stage and the share of it that is done, from 0 to 1.
 ///
+/// Where so few points are asked for that the mesh has faults, it is made again with more; see [`FEW_POINTS`].
+///
 /// # Errors
 /// Where the surface cannot be meshed, the options are invalid, or the backend fails.
 pub fn run(
+    soup: &Soup,
+    options: &Options,
+    backend: &dyn Backend,
+    progress: &dyn Fn(Stage, f32),
+) -> Result<Outcome, PipelineError> {
+    let mut best = attempt(soup, options, backend, progress)?;
+    let Fineness::Points(mut count) = options.fineness else { return Ok(best) };
+    for _ in 0..MORE_POINTS_ROUNDS {
+        if best.meshed.wrong() == 0 || count.max(best.meshed.mesh.points.len()) > FEW_POINTS {
+            break;
+        }
+        count = (1.5 * count as f64) as usize + 1;
+        let more = Options { fineness: Fineness::Points(count), ..options.clone() };
+        let next = attempt(soup, &more, backend, progress)?;
+        if next.meshed.wrong() < best.meshed.wrong() {
+            best = next;
+        }
+    }
+    Ok(best)
+}
+
+fn attempt(
     soup: &Soup,
     options: &Options,
     backend: &dyn Backend,
@@ -283,6 +319,11 @@ fn meshed(
         context.let_nearest_decide();
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
         mesh = mesh.compacted();
+        let left = mesh.faults(&context);
+        if mesh.free_from_curves(context.surface, &left) {
+            untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
+            mesh = mesh.compacted();
+        }
         opposed = mesh.opposed_faces(&context);
     }
 

@@ -13,6 +13,8 @@ use rstar::primitives::GeomWithData;
 const LEAST: f64 = 0.25;
 /// The least factor by which the girth of a thin part makes a tile smaller.
 const THINNEST: f64 = 0.1;
+/// The least number of tiles on a part of the surface.
+const LEAST_TILES: f64 = 14.0;
 /// Where thin parts take more tiles than this share of the count beside those that they would have, the count is raised.
 const THIN_SHARE: f64 = 0.5;
 /// The samples that the size of a place is a mean of.
@@ -112,7 +114,17 @@ impl SizeOptions {
 
     /// The girth of thin parts at each vertex, infinity elsewhere; `None` without thin parts.
     fn girths(&self, surface: &Surface, side: f64) -> Option<Vec<f64>> {
-        let girths = girths(surface, (self.around * side) as f32, side as f32);
+        if self.around == 0.0 {
+            return None;
+        }
+        let mut girths = girths(surface, (self.around * side) as f32, side as f32);
+        // A part has the girth at which the least number of tiles cover it.
+        for (girth, area) in girths.iter_mut().zip(surface.areas_of_parts()) {
+            let least = (area / LEAST_TILES).sqrt();
+            if least < side {
+                *girth = girth.min(self.around * least);
+            }
+        }
         girths.iter().any(|girth| girth.is_finite()).then_some(girths)
     }
 }

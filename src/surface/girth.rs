@@ -53,7 +53,7 @@ fn spread(surface: &Surface, cell: f32, most: f32) -> Vec<u32> {
     // Two points on opposite sides are no farther apart than half the girth.
     let reach = most / 2.0;
     let mut seen_in: FxHashMap<IVec3, u32> = FxHashMap::default();
-    for t in 0..surface.triangle_count() {
+    for (t, kind) in kinds.iter().enumerate() {
         // A large triangle passes several cells: lines along its longest side.
         let corners = surface.corners(t);
         let length = |k: usize| corners[k].distance(corners[(k + 1) % 3]);
@@ -65,7 +65,7 @@ fn spread(surface: &Surface, cell: f32, most: f32) -> Vec<u32> {
         for i in 0..across as u32 {
             let [from, to] = [a, b].map(|end| end.lerp(c, (i as f32 + 0.5) / across));
             for j in 0..along as u32 {
-                *seen_in.entry(at(from.lerp(to, (j as f32 + 0.5) / along), reach)).or_default() |= 1 << kinds[t];
+                *seen_in.entry(at(from.lerp(to, (j as f32 + 0.5) / along), reach)).or_default() |= 1 << kind;
             }
         }
     }

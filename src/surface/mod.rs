@@ -57,6 +57,7 @@ pub use repairs::{Length, Places, RepairOptions, Repairs};
 pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
 
 use crate::geometry::{cross, dot, unit};
+use crate::sets::Sets;
 use adjacency::Adjacency;
 use fine::Fine;
 use given::Given;
@@ -449,6 +450,20 @@ impl Surface {
     /// The area, in unit-sized coordinates.
     pub fn area(&self) -> f64 {
         (0..self.triangles.len()).map(|t| f64::from(self.double_area(t)) / 2.0).sum()
+    }
+
+    /// For each vertex the area of the connected part that it belongs to, in unit-sized coordinates.
+    pub(crate) fn areas_of_parts(&self) -> Vec<f64> {
+        let mut parts = Sets::new(self.points.len());
+        for &[a, b, c] in &self.triangles {
+            parts.join(a, b);
+            parts.join(b, c);
+        }
+        let mut areas = vec![0.0; self.points.len()];
+        for (t, corners) in self.triangles.iter().enumerate() {
+            areas[parts.root(corners[0]) as usize] += f64::from(self.double_area(t)) / 2.0;
+        }
+        (0..self.points.len() as u32).map(|v| areas[parts.root(v) as usize]).collect()
     }
 
     /// The length of all open boundaries, in unit-sized coordinates.
