@@ -163,7 +163,8 @@ impl Subject {
     fn digest(&self, plan: &Plan) -> String {
         let connect = ConnectOptions::default();
         let options = Options { fineness: Fineness::Points(0), fit: 0.0, connect, ..plan.options.clone() };
-        let Soup { points, triangles, regions: Regions { names, of_face } } = &self.soup;
+        // Attributes change nothing that is measured.
+        let Soup { points, triangles, regions: Regions { names, of_face }, attributes: _ } = &self.soup;
         let mut hasher = blake3::Hasher::new();
         hasher.update(format!("{options:?} {names:?} {} {}", points.len(), triangles.len()).as_bytes());
         hasher.update(bytemuck::cast_slice(points));
