@@ -1,5 +1,6 @@
 //! Reading files: the same surface from every format, the format told by the content, and what is refused.
 
+mod attributes;
 mod msh;
 mod obj;
 mod off;
