@@ -36,8 +36,8 @@ fn bench(criterion: &mut Criterion) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let plain = triangles();
     // STL is ASCII where regions have names.
-    let regions = Regions { names: vec!["sheet".to_owned()], of_face: vec![0; plain.face_count()] };
-    let named = Mesh { regions, ..plain.clone() };
+    let mut named = plain.clone();
+    named.regions = Regions { names: vec!["sheet".to_owned()], of_face: vec![0; plain.face_count()] };
     for (name, format, mesh) in [
         ("OBJ", Format::Obj, &plain),
         ("STL, binary", Format::Stl, &plain),

@@ -1,7 +1,6 @@
 //! What files hold: polygons on numbered vertices, before they are split into triangles.
 
-use super::super::attributes::Attributes;
-use super::super::{Regions, Soup, polygon};
+use super::super::{Attributes, Regions, Soup, polygon};
 use super::Fault;
 use glam::DVec3;
 

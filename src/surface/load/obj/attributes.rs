@@ -1,7 +1,7 @@
 //! Colours and texture coordinates of an OBJ text.
 
-use super::super::super::attributes::{Attribute, AttributeKind, Attributes};
 use super::super::text::{parsed, words};
+use crate::surface::attributes::{Attribute, AttributeKind, Attributes};
 
 /// A corner without texture coordinates.
 const NO_TEXTURE: u32 = 0;
@@ -39,15 +39,15 @@ impl Collected {
 
     /// Takes the corners of a face: `vertex/texture/normal`. Negative numbers are counted back from the last coordinates so far.
     pub fn push_face(&mut self, corners: &[u8]) {
+        let count = self.textures.len() as i64;
         let texture = |corner: &[u8]| {
             let number: i64 = parsed(corner.split(|&byte| byte == b'/').nth(1)?)?;
-            let number = if number < 0 { self.textures.len() as i64 + 1 + number } else { number };
+            let number = if number < 0 { count + 1 + number } else { number };
             u32::try_from(number).ok()
         };
         if corners.contains(&b'/') {
-            let numbers: Vec<u32> = words(corners).map(|corner| texture(corner).unwrap_or(NO_TEXTURE)).collect();
             self.of_corners.resize(self.corners, NO_TEXTURE);
-            self.of_corners.extend(numbers);
+            self.of_corners.extend(words(corners).map(|corner| texture(corner).unwrap_or(NO_TEXTURE)));
             self.corners = self.of_corners.len();
         } else {
             self.corners += words(corners).count();
