@@ -21,6 +21,7 @@ use quadmosaic::mesh::fill;
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
 use quadmosaic::pipeline::{self, Options, Stage};
 use quadmosaic::report::{Asked, Report};
+use quadmosaic::surface::{AttributeKind, Attributes, Soup};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -76,6 +77,10 @@ pub struct Arguments {
     #[command(flatten)]
     machine: Machine,
 
+    /// Write where each vertex lies on the input (arrays source_triangle, counted from 0, and source_barycentric); with PLY, VTK and
+    /// VTU
+    #[arg(long)]
+    with_source: bool,
     /// Draw the mesh, as `quadmosaic picture` does
     #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
     picture: Option<PathBuf>,
@@ -140,7 +145,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Err(Unsound(format!("{} was not written: {wrong}", arguments.output.output)).into());
     }
     let meshed = &outcome.meshed;
-    let (written, writing) = timed(|| arguments.output.write(&MeshFile::new(&meshed.mesh, &meshed.vertices, &soup)));
+    let (written, writing) = timed(|| {
+        let file = MeshFile::new(&meshed.mesh, &meshed.vertices).with_input(&soup, arguments.with_source);
+        arguments.output.write(&file)
+    });
     written?;
     let report = report.with_times(
         &[("read", reading), ("device", opening + compiling)],
@@ -158,6 +166,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     warn_of(outcome.field.guides());
     warn_of_stretch(report.field.stretch.as_ref());
     warn_of_repairs(&outcome.surface);
+    warn_of_attributes(&soup.attributes, &arguments.output)?;
+    warn_of_precision(&soup, meshed.mesh.points.len());
     if let Some(wrong) = wrong {
         eprintln!("warning: {}: {wrong}", arguments.output.output);
     }
@@ -165,6 +175,39 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         eprintln!("warning: {warning}");
     }
     Ok(())
+}
+
+/// Tells which attributes of the surface the file of the mesh does not have.
+fn warn_of_attributes(attributes: &Attributes, output: &MeshOutput) -> anyhow::Result<()> {
+    let format = output.format()?;
+    let refused = attributes.list.iter().filter(|attribute| !format.takes(attribute.kind));
+    let refused: Vec<&str> = refused
+        .map(|attribute| match attribute.kind {
+            AttributeKind::Colour => "colours",
+            AttributeKind::Texture => "texture coordinates",
+            AttributeKind::Numbers => attribute.name.as_str(),
+        })
+        .collect();
+    let advice = if refused.is_empty() { "" } else { "; ply, vtk and vtu hold numbers of vertices" };
+    let all: Vec<&str> = refused.into_iter().chain(attributes.left_out.iter().map(String::as_str)).collect();
+    if !all.is_empty() {
+        eprintln!("warning: not carried to {}: {}{advice}", output.output, all.join(", "));
+    }
+    Ok(())
+}
+
+/// Steps of coordinates above this share of a tile's side show in the mesh.
+const COARSE: f64 = 1e-3;
+
+/// Tells where coordinates in f32 are too coarse for tiles of which so many cover the surface.
+fn warn_of_precision(soup: &Soup, tiles: usize) {
+    let side = (soup.area() / tiles as f64).sqrt();
+    if let Some(step) = soup.f32_step().filter(|&step| step > COARSE * side) {
+        eprintln!(
+            "warning: the coordinates are multiples of {step:.1e}, as f32 has them so far from the origin, and a tile has a side of \
+             {side:.3e}: steps show in the mesh; move the model to the origin before it is exported, or export it in f64 or text"
+        );
+    }
 }
 
 /// A number of vertices that misses the wanted one by a larger share is a warning.
@@ -193,6 +236,11 @@ impl Arguments {
         if matches!(self.holes, Holes::Leave) && !format.takes_polygons() {
             return Err(conflict(format!(
                 "{format} has no faces of more than four corners; --holes leave does not go with it"
+            )));
+        }
+        if self.with_source && !format.takes(AttributeKind::Numbers) {
+            return Err(conflict(format!(
+                "{format} has no arrays of vertices; --with-source goes with ply, vtk and vtu"
             )));
         }
         if (&self.output.output, self.report.as_ref()) == (&Output::Standard, Some(&Output::Standard)) {

@@ -1,4 +1,4 @@
-//! What is known of the vertices of a finished mesh: their exact points, their kinds and where they lie on the input.
+//! What is known of the vertices of a finished mesh: their exact points, their kinds and the direction of the cross.
 //!
 //! # Practice
 //! The mesh is made in f32 over the bounding box. Here a vertex is put back onto the input's own coordinates: onto its vertex, its
@@ -37,8 +37,6 @@ pub enum VertexKind {
 pub struct VertexAttributes {
     /// What it lies on.
     pub kind: VertexKind,
-    /// A triangle of the input that it lies on, counted from 0.
-    pub triangle: u32,
     /// A unit tangent direction of the cross; rough on features.
     pub direction: [f64; 3],
 }
@@ -100,7 +98,7 @@ fn attributes_of(context: &Context, vertex: &Vertex, mosaic: &Mosaic) -> ([f64; 
     };
     let given = surface.frame().to_model(vertex.point.into());
     let is_near = DVec3::from(given).distance(point.into()) <= ROUNDING * surface.frame().diagonal;
-    let attributes = VertexAttributes { kind, triangle: surface.source(triangle), direction: vertex.axis.into() };
+    let attributes = VertexAttributes { kind, direction: vertex.axis.into() };
     (if is_near { point } else { given }, attributes)
 }
 

@@ -457,10 +457,7 @@ impl Coarsening {
         // Vertices that share their place stay.
         surface.same_place = left.iter().map(|&v| vertex[surface.same_place[v as usize] as usize]).collect();
         surface.regions = surface.regions.of(&sources);
-        surface.given = Given {
-            points: left.iter().map(|&v| surface.given.points[v as usize]).collect(),
-            triangles: sources.iter().map(|&t| surface.given.triangles[t as usize]).collect(),
-        };
+        surface.given = Given { points: left.iter().map(|&v| surface.given.points[v as usize]).collect() };
         surface.features.apexes = surface.features.apexes.iter().map(|&v| vertex[v as usize]).collect();
         surface.features = Features::along(&surface, marked, options.corner, surface.features.reach);
         surface

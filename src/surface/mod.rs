@@ -7,6 +7,7 @@
 
 mod adjacency;
 mod apexes;
+pub(crate) mod attributes;
 mod boxes;
 mod bridges;
 mod caps;
@@ -39,12 +40,14 @@ mod regions;
 mod repairs;
 mod ridges;
 pub(crate) mod sampling;
+mod seams;
 mod sew;
 mod split;
 mod turning;
 mod walk;
 mod weld;
 
+pub use attributes::{Attribute, AttributeKind, Attributes};
 pub use contacts::{Contacts, NearRims};
 pub use curve::Curve;
 pub(crate) use curve::shared_curves;
@@ -78,6 +81,8 @@ pub struct Soup {
     pub triangles: Vec<[u32; 3]>,
     /// Which named part each triangle belongs to.
     pub regions: Regions,
+    /// Colours, texture coordinates and other numbers of points or corners.
+    pub attributes: Attributes,
 }
 
 impl Soup {
@@ -89,6 +94,22 @@ impl Soup {
         corners.map(|corners| area(&corners)).sum()
     }
 }
+
+impl Soup {
+    /// The step of f32 at the largest coordinate, in model units, where all coordinates are f32 and need it; `None` where they are
+    /// finer, or multiples of larger steps, as whole numbers are.
+    pub fn f32_step(&self) -> Option<f64> {
+        let used = || self.triangles.iter().flatten().flat_map(|&v| self.points[v as usize]);
+        let step = f64::from(weld::single_step(used())?);
+        let largest = used().map(f64::abs).fold(0.0, f64::max);
+        let large: Vec<f64> = used().filter(|x| x.abs() > largest / 2.0).collect();
+        let odd = large.iter().filter(|&x| (x / step).rem_euclid(2.0) == 1.0).count();
+        (odd > large.len() / ODD).then_some(step)
+    }
+}
+
+/// Of coordinates that are rounded to a step, half are odd multiples; one in so many is enough.
+const ODD: usize = 8;
 
 /// The map between model units and the unit-sized coordinates that the mesher computes in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -267,17 +288,22 @@ impl Surface {
     ) -> Result<Self, SurfaceError> {
         let Welded { frame, points, mut triangles, sources, mut repairs } = mend::mended(soup, repairs, side)?;
         let mut points: Vec<Vec3> = points.iter().map(|&p| on_grid(p)).collect();
-        let Adjacency { mut twins, seams, same_place } =
+        let Adjacency { mut twins, seams: mut named, same_place } =
             adjacency::orient(&mut points, &mut triangles, &frame, &mut repairs)?;
+        if options.texture_seams {
+            named.extend(seams::seams(soup, &sources, &triangles, &twins, &points, &frame));
+            named.sort_unstable();
+            named.dedup();
+        }
         let regions = soup.regions.of(&sources);
-        let given = Given::new(soup, sources, &triangles, &points, &frame);
-        caps::flip(&points, &mut triangles, &mut twins, &seams, &frame, &mut repairs);
+        let given = Given::new(soup, &sources, &triangles, &points, &frame);
+        caps::flip(&points, &mut triangles, &mut twins, &named, &frame, &mut repairs);
         let features = Features::default();
         let mut surface = Self {
             points,
             triangles,
             twins,
-            named: seams,
+            named,
             same_place,
             regions,
             features,
