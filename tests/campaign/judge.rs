@@ -145,7 +145,9 @@ fn sheets(faces: &[&[u32]]) -> Vec<usize> {
 pub fn unclean(soup: &Soup, joined: bool) -> Option<String> {
     let mut ways: BTreeMap<(u32, u32), usize> = BTreeMap::new();
     soup.triangles.iter().flat_map(|t| sides(t)).for_each(|side| *ways.entry(side).or_default() += 1);
-    if let Some((side, count)) = ways.iter().find(|(_, count)| **count > 1 && !joined) {
+    let back = |&(a, b): &(u32, u32)| ways.get(&(b, a)).copied().unwrap_or_default();
+    let wrong = |side: &(u32, u32), count: usize| count > 1 && !(joined && count + back(side) > 2);
+    if let Some((side, count)) = ways.iter().find(|(side, count)| wrong(side, **count)) {
         return Some(format!("side {side:?} is run along {count} times"));
     }
     let corners = |t: &[u32; 3]| t.map(|v| DVec3::from(soup.points[v as usize]));

@@ -207,7 +207,9 @@ fn spheres_that_cross_are_unclean() {
 fn a_turned_triangle_is_unclean() {
     let (mut soup, _) = ball();
     soup.triangles[3].swap(0, 1);
-    assert!(unclean(&soup, false).is_some_and(|why| why.contains("run along 2 times")));
+    for joined in [false, true] {
+        assert!(unclean(&soup, joined).is_some_and(|why| why.contains("run along 2 times")));
+    }
 }
 
 #[test]

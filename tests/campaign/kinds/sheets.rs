@@ -146,7 +146,7 @@ pub fn tube_with_walls(random: &mut Random) -> Builder {
     let mut builder = Builder::default();
     builder.turned(&(0..=rows).map(|j| [1.0, level(j)].into()).collect::<Vec<_>>(), around);
     for _ in 0..random.whole(1, 3) {
-        let z = level(random.whole(0, rows));
+        let z = level(random.whole(0, rows - 1));
         let disc: Vec<_> = (0..=rings).map(|i| [i as f64 / rings as f64, z].into()).collect();
         let mut with_disc = Builder::default();
         with_disc.turned(&disc, around);
