@@ -68,7 +68,8 @@ pub struct Trial {
 
 /// What a trial gave.
 pub struct Verdict {
-    /// The number of failures of each name; none where the mesh is right.
+    /// The number of failures of each name: faults and differences that the method tells, `Panic` and `Error`, and
+    /// `WrongEuler` and `Opposed` by [`super::judge`]. None where the mesh is right.
     pub failures: BTreeMap<String, usize>,
     pub time: Duration,
 }
@@ -112,11 +113,14 @@ impl Trial {
         let mut fail = |name: String, count: usize| *failures.entry(name).or_default() += count;
         match outcome {
             Err(_) => fail("Panic".to_owned(), 1),
-            Ok(Err(error)) => fail(format!("Error: {error}"), 1),
+            Ok(Err(error)) => {
+                println!("seed {}: {error}", self.seed);
+                fail("Error".to_owned(), 1);
+            }
             Ok(Ok(outcome)) => {
                 let meshed = outcome.meshed;
                 meshed.faults.list.iter().for_each(|fault| fail(name_of(&fault.kind), 1));
-                meshed.differences.iter().for_each(|difference| fail(format!("Other{}", name_of(difference)), 1));
+                meshed.differences.iter().for_each(|difference| fail(name_of(difference), 1));
                 let faces: Vec<&[u32]> = meshed.mesh.faces().collect();
                 if euler(faces.iter().copied()) != euler(self.soup.triangles.iter().map(|t| &t[..])) {
                     fail("WrongEuler".to_owned(), 1);

@@ -178,7 +178,7 @@ fn ball(random: &mut Random) -> Builder {
         let steps = random.whole(6, 40);
         let side = |i: usize| {
             let (s, c) = (PI * i as f64 / steps as f64).sin_cos();
-            DVec2::new(if i % steps == 0 { 0.0 } else { s }, -c)
+            DVec2::new(if i == 0 || i == steps { 0.0 } else { s }, -c)
         };
         builder.turned(&(0..=steps).map(side).collect::<Vec<_>>(), 2 * steps);
         return builder.welded();
