@@ -1,5 +1,6 @@
 //! The kinds of surfaces. Each is oriented, closed ones outward, and cuts itself nowhere.
 
+mod balls;
 mod cells;
 mod plates;
 mod round;
@@ -42,8 +43,8 @@ pub const KINDS: [Kind; 34] = [
     plain("ruled strip", sheets::ruled_strip),
     plain("wing", sheets::wing),
     plain("bowl", round::bowl),
-    plain("noisy sphere", round::noisy_sphere),
-    plain("spiked ball", round::spiked_ball),
+    plain("noisy sphere", balls::noisy_sphere),
+    plain("spiked ball", balls::spiked_ball),
     plain("needles", round::needles),
     plain("torus", round::torus),
     plain("torus knot", round::torus_knot),
@@ -52,8 +53,8 @@ pub const KINDS: [Kind; 34] = [
     plain("rod", round::rod),
     plain("vase", round::vase),
     plain("rounded box", cells::rounded_box),
-    plain("crystal", round::crystal),
-    plain("nested spheres", round::nested_spheres),
+    plain("crystal", balls::crystal),
+    plain("nested spheres", balls::nested_spheres),
     plain("several parts", several_parts),
 ];
 

@@ -19,7 +19,7 @@ use judge::{Sense, euler, opposed, unclean};
 use known::KNOWN;
 use quadmosaic::surface::Soup;
 use quadmosaic::surface::examples::Example;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
@@ -33,7 +33,8 @@ fn number(variable: &str) -> Option<u64> {
 /// One trial without its surface.
 struct Line {
     seed: u64,
-    parameters: [String; 3],
+    /// The kind, the options and the band of the number of points.
+    parameters: [&'static str; 3],
     verdict: Verdict,
 }
 
@@ -57,8 +58,7 @@ fn judged(trial: &Trial) -> Line {
         600..3_000 => "600 to 3,000",
         _ => "3,000 and more",
     };
-    let parameters = [kind.name, choice.arguments, band].map(str::to_owned);
-    Line { seed: *seed, parameters, verdict }
+    Line { seed: *seed, parameters: [kind.name, choice.arguments, band], verdict }
 }
 
 fn told(failures: &BTreeMap<String, usize>) -> String {
@@ -95,7 +95,7 @@ fn summarise(lines: &[Line]) {
     for (index, title) in ["kind", "options", "points"].iter().enumerate() {
         let mut rows: BTreeMap<&str, (usize, usize, BTreeMap<&str, usize>)> = BTreeMap::new();
         for line in lines {
-            let row = rows.entry(&line.parameters[index]).or_default();
+            let row = rows.entry(line.parameters[index]).or_default();
             row.0 += 1;
             row.1 += usize::from(!line.verdict.failures.is_empty());
             line.verdict.failures.keys().for_each(|name| *row.2.entry(name).or_default() += 1);
@@ -121,6 +121,22 @@ fn summarise(lines: &[Line]) {
     println!("\n{} trials in {:.0} s of one thread", lines.len(), total.as_secs_f64());
 }
 
+/// The failures that are not listed, and the listed seeds that are right.
+fn against_known(lines: &[Line], known: &[(u64, &str)]) -> (Vec<String>, Vec<u64>) {
+    let known: BTreeMap<u64, Vec<&str>> =
+        known.iter().map(|&(seed, names)| (seed, names.split(' ').collect())).collect();
+    let (mut new, mut right) = (Vec::new(), Vec::new());
+    for Line { seed, verdict, .. } in lines {
+        let known = known.get(seed);
+        let is_new = |name: &&String| !known.is_some_and(|known| known.contains(&name.as_str()));
+        new.extend(verdict.failures.keys().filter(is_new).map(|name| format!("seed {seed}: {name}")));
+        if known.is_some() && verdict.failures.is_empty() {
+            right.push(*seed);
+        }
+    }
+    (new, right)
+}
+
 #[test]
 fn no_mesh_has_a_fault() {
     if let Some(seed) = number("QUADMOSAIC_CAMPAIGN_SEED") {
@@ -135,17 +151,8 @@ fn no_mesh_has_a_fault() {
     let lines = campaign(number("QUADMOSAIC_CAMPAIGN").unwrap_or(300));
     summarise(&lines);
 
-    let known: BTreeMap<u64, BTreeSet<&str>> =
-        KNOWN.iter().map(|&(seed, names)| (seed, names.split(' ').collect())).collect();
-    let mut new = Vec::new();
-    for Line { seed, verdict, .. } in &lines {
-        let known = known.get(seed);
-        let is_new = |name: &&String| !known.is_some_and(|known| known.contains(name.as_str()));
-        new.extend(verdict.failures.keys().filter(is_new).map(|name| format!("seed {seed}: {name}")));
-        if known.is_some() && verdict.failures.is_empty() {
-            println!("seed {seed} is right now: take it from the list");
-        }
-    }
+    let (new, right) = against_known(&lines, &KNOWN);
+    right.iter().for_each(|seed| println!("seed {seed} is right now: take it from the list"));
     assert!(new.is_empty(), "{} new failures:\n{}", new.len(), new.join("\n"));
 }
 
@@ -161,7 +168,19 @@ fn surfaces_are_clean() {
     assert!(unclean.is_empty(), "{} surfaces:\n{}", unclean.len(), unclean.join("\n"));
 }
 
-/// A ball of two triangles a quad: its surface, and the same as faces.
+#[test]
+fn failures_that_are_not_listed_are_new() {
+    let line = |seed, names: &[&str]| {
+        let failures = names.iter().map(|name| ((*name).to_owned(), 1)).collect();
+        Line { seed, parameters: [""; 3], verdict: Verdict { failures, time: Duration::ZERO } }
+    };
+    let lines = [line(0, &[]), line(1, &["Opposed"]), line(2, &["Euler", "Opposed"]), line(3, &[]), line(4, &["Hole"])];
+    let (new, right) = against_known(&lines, &[(1, "Hole Opposed"), (2, "Opposed"), (3, "Opposed"), (9, "Hole")]);
+    assert_eq!(new, ["seed 2: Euler", "seed 4: Hole"]);
+    assert_eq!(right, [3]);
+}
+
+/// A ball's surface, and its triangles as faces.
 fn ball() -> (Soup, Vec<[u32; 3]>) {
     let soup = "sphere".parse::<Example>().expect("an example's name").generate(200);
     let faces = soup.triangles.clone();
