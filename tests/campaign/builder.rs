@@ -157,6 +157,16 @@ pub fn enclosed(loops: &[Loop], p: DVec2) -> bool {
     crossings.filter(right).count() % 2 == 1
 }
 
+/// The distance of a point from the sides of a loop.
+pub fn distance(p: DVec2, corners: &Loop) -> f64 {
+    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+    let to_side = |(a, b): (&DVec2, &DVec2)| {
+        let along = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        p.distance(a + (b - a) * along)
+    };
+    sides.map(to_side).fold(f64::MAX, f64::min)
+}
+
 /// Points of a shaken grid of a step within loops, half a step from them.
 pub fn filling(loops: &[Loop], step: f64, random: &mut Random) -> Vec<DVec2> {
     let corners = || loops.iter().flatten().copied();
@@ -165,14 +175,7 @@ pub fn filling(loops: &[Loop], step: f64, random: &mut Random) -> Vec<DVec2> {
     let [columns, rows] = ((high - low) / step).to_array().map(|x| x as usize);
     let cells = (0..rows).flat_map(|j| (0..columns).map(move |i| DVec2::new(i as f64, j as f64)));
     let shaken = cells.map(|cell| low + step * (cell + DVec2::new(random.real(0.2, 0.8), random.real(0.2, 0.8))));
-    let far = |p: &DVec2| {
-        loops.iter().all(|corners| {
-            corners.iter().zip(corners.iter().cycle().skip(1)).all(|(a, b)| {
-                let along = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-                p.distance(a + (b - a) * along) > step / 2.0
-            })
-        })
-    };
+    let far = |p: &DVec2| loops.iter().all(|corners| distance(*p, corners) > step / 2.0);
     shaken.filter(|p| enclosed(loops, *p) && far(p)).collect()
 }
 

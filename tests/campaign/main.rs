@@ -30,6 +30,10 @@ fn number(variable: &str) -> Option<u64> {
     std::env::var(variable).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{variable}={text} is no number")))
 }
 
+fn surfaces() -> u64 {
+    number("QUADMOSAIC_CAMPAIGN").unwrap_or(300)
+}
+
 /// One trial without its surface.
 struct Line {
     seed: u64,
@@ -148,7 +152,7 @@ fn no_mesh_has_a_fault() {
         assert!(failures.is_empty(), "seed {seed}: {}", told(&failures));
         return;
     }
-    let lines = campaign(number("QUADMOSAIC_CAMPAIGN").unwrap_or(300));
+    let lines = campaign(surfaces());
     summarise(&lines);
 
     let (new, right) = against_known(&lines, &KNOWN);
@@ -158,7 +162,7 @@ fn no_mesh_has_a_fault() {
 
 #[test]
 fn surfaces_are_clean() {
-    let unclean: Vec<String> = (0..300)
+    let unclean: Vec<String> = (0..surfaces())
         .map(Trial::new)
         .filter_map(|trial| {
             let why = unclean(&trial.soup, trial.kind.joined)?;

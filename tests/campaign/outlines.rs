@@ -1,6 +1,6 @@
 //! Plane outlines: profiles, gears, stars, notched and rounded plates, and holes in them.
 
-use super::builder::{Loop, circle, enclosed};
+use super::builder::{Loop, circle, distance, enclosed};
 use super::random::Random;
 use glam::DVec2;
 use std::f64::consts::TAU;
@@ -134,7 +134,8 @@ pub fn holes(outline: &Loop, count: usize, random: &mut Random) -> Vec<Loop> {
         let radius = (high - low).min_element() * random.scale(0.02, 0.3);
         let rim = circle(centre, radius * 1.25, 24);
         let inside = rim.iter().all(|p| enclosed(std::slice::from_ref(outline), *p))
-            && outline.iter().all(|p| p.distance(centre) > radius * 1.25);
+            && outline.iter().all(|p| p.distance(centre) > radius * 1.25)
+            && distance(centre, outline) > radius * 1.2;
         if inside && found.iter().all(|(c, r)| c.distance(centre) > 1.2 * (r + radius)) && found.len() < count {
             found.push((centre, radius));
         }
