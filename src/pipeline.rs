@@ -220,6 +220,13 @@ pub struct Meshed {
     pub differences: Vec<Difference>,
 }
 
+impl Meshed {
+    /// The number of faults and differences.
+    fn wrong(&self) -> usize {
+        self.faults.list.len() + self.differences.len()
+    }
+}
+
 /// The least [`ConnectivityOptions::regularity`] where rows are continuous.
 const CONTINUOUS_REGULARITY: f64 = 1.0;
 /// The least number of sweeps of a field that sides follow: sides fit a harmonic angle best.
@@ -233,17 +240,46 @@ const SIZE_ROUNDS: usize = 4;
 /// them, and tiles do not need them.
 const MOST_PARTS: usize = 8;
 
+/// A mesh with faults of no more vertices than this is made again with half as many points more.
+pub const FEW_POINTS: usize = 300;
+/// The most rounds of this.
+const MORE_POINTS_ROUNDS: usize = 4;
+
 /// The numbers of vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 
 /// Meshes a soup of triangles. `watch` receives each stage and the share of it that is done; it is called at least every tenth of a
 /// second or so, and can cancel the run.
 ///
+/// Where so few points are asked for that the mesh has faults, it is made again with more; see [`FEW_POINTS`].
+///
 /// # Errors
 /// Where the surface cannot be meshed, the options are invalid, the backend fails, or `watch` cancels the run.
 pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch) -> Result<Outcome, PipelineError> {
     let progress = &Progress::new(watch);
     let backend = &Watched { backend, progress };
+    let mut best = attempt(soup, options, backend, progress)?;
+    let Fineness::Points(mut count) = options.fineness else { return Ok(best) };
+    for _ in 0..MORE_POINTS_ROUNDS {
+        if best.meshed.wrong() == 0 || count.max(best.meshed.mesh.points.len()) > FEW_POINTS {
+            break;
+        }
+        count = (1.5 * count as f64) as usize + 1;
+        let more = Options { fineness: Fineness::Points(count), ..options.clone() };
+        let next = attempt(soup, &more, backend, progress)?;
+        if next.meshed.wrong() < best.meshed.wrong() {
+            best = next;
+        }
+    }
+    Ok(best)
+}
+
+fn attempt(
+    soup: &Soup,
+    options: &Options,
+    backend: &dyn Backend,
+    progress: &Progress,
+) -> Result<Outcome, PipelineError> {
     let mut clock = Clock::new(progress);
 
     clock.begin(Stage::Surface)?;
@@ -314,6 +350,11 @@ fn meshed(
         context.let_nearest_decide();
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
         mesh = mesh.compacted();
+        let left = mesh.faults(&context);
+        if mesh.free_from_curves(context.surface, &left) {
+            untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
+            mesh = mesh.compacted();
+        }
         opposed = mesh.opposed_faces(&context);
     }
 
@@ -378,9 +419,10 @@ fn prepare_watched(
     progress.check()?;
     let count = count(&surface, options)?;
     let side = mosaic::side_for_count(&surface, count);
+    let thin_sides = options.sizes.thin_sides(&surface, f64::from(side));
     let surface = surface.with_contacts(f64::from(side));
     progress.check()?;
-    let mut surface = surface.fitted(features, side);
+    let mut surface = surface.fitted_to(features, side, thin_sides.as_deref());
     progress.check()?;
     if surface.parts(mosaic::longest_edges(&surface, &Sizes::equal(), count, options.aspect)[0]) > MOST_PARTS * count {
         surface = surface.coarsened(f64::from(side), features);

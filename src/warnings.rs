@@ -1,8 +1,9 @@
 //! Warnings: what a user should know of a result.
 
+use crate::export::Format;
 use crate::field::{GuideReport, StretchReport};
 use crate::report::{Asked, Input, Report};
-use crate::surface::{NearRims, Places, shown};
+use crate::surface::{AttributeKind, Attributes, NearRims, Places, Soup, shown};
 
 /// A number of vertices that misses the wanted one by a larger share is a warning.
 const COUNT_TOLERANCE: f64 = 0.05;
@@ -111,6 +112,34 @@ pub fn of_surface(surface: &Input) -> Vec<String> {
         )
     });
     places.into_iter().flatten().chain(rims).collect()
+}
+
+/// The attributes of a surface that a file of the mesh, called `name`, does not have.
+pub fn of_attributes(attributes: &Attributes, format: Format, name: &str) -> Option<String> {
+    let refused = attributes.list.iter().filter(|attribute| !format.takes(attribute.kind));
+    let refused: Vec<&str> = refused
+        .map(|attribute| match attribute.kind {
+            AttributeKind::Colour => "colours",
+            AttributeKind::Texture => "texture coordinates",
+            AttributeKind::Numbers => attribute.name.as_str(),
+        })
+        .collect();
+    let advice = if refused.is_empty() { "" } else { "; ply, vtk and vtu hold numbers of vertices" };
+    let all: Vec<&str> = refused.into_iter().chain(attributes.left_out.iter().map(String::as_str)).collect();
+    (!all.is_empty()).then(|| format!("not carried to {name}: {}{advice}", all.join(", ")))
+}
+
+/// Steps of coordinates above this share of a tile's side show in the mesh.
+const COARSE: f64 = 1e-3;
+
+/// Coordinates in f32 that are too coarse for tiles of which so many cover the surface.
+pub fn of_precision(soup: &Soup, tiles: usize) -> Option<String> {
+    let side = (soup.area() / tiles as f64).sqrt();
+    let step = soup.f32_step().filter(|&step| step > COARSE * side)?;
+    Some(format!(
+        "the coordinates are multiples of {step:.1e}, as f32 has them so far from the origin, and a tile has a side of \
+         {side:.3e}: steps show in the mesh; move the model to the origin before it is exported, or export it in f64 or text"
+    ))
 }
 
 /// `1 corner`, `2 corners`, `0 vertices`.

@@ -1,6 +1,7 @@
 //! The program as a user meets it: what it writes, what it says, and how it ends.
 
 use quadmosaic::mesh::{Mesh, read_mesh};
+use quadmosaic::surface::load::read;
 use serde_json::Value;
 use std::fs;
 use std::io::Write;
@@ -889,4 +890,137 @@ fn a_study_fills_its_folder_and_says_what_it_found() {
     let said = text(&output.stderr);
     assert_eq!(said.matches("warning: ").count(), 1, "one for all rows: {said}");
     assert!(said.contains("--guide number 1: it is") && said.contains("away from the surface"), "{said}");
+}
+
+/// A unit square of 16 columns of quads with colours and texture coordinates: red is x, `u` is x and jumps by 10 at a column.
+fn textured_square(jump_after: usize) -> String {
+    const COLUMNS: usize = 16;
+    let mut text = String::from("usemtl paint\n");
+    for k in 0..=COLUMNS {
+        let x = k as f64 / COLUMNS as f64;
+        text += &format!("v {x} 0 0 {x} 0 1\nv {x} 1 0 {x} 0 1\n");
+        text += &format!("vt {x} 0\nvt {x} 1\nvt {} 0\nvt {} 1\n", x + 10.0, x + 10.0);
+    }
+    for k in 0..COLUMNS {
+        let [v, t] = [2 * k + 1, 4 * k + if k < jump_after { 1 } else { 3 }];
+        text += &format!("f {v}/{t} {}/{} {}/{} {}/{}\n", v + 2, t + 4, v + 3, t + 5, v + 1, t + 1);
+    }
+    text
+}
+
+/// The values that corners have of an OBJ text: the place, red and the texture coordinates; a face a list.
+fn textured_corners(text: &str) -> Vec<Vec<[f64; 4]>> {
+    let rows = |keyword: &str| -> Vec<Vec<String>> {
+        let lines = text.lines().map(|line| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>());
+        lines.filter(|words| words.first().is_some_and(|word| word == keyword)).collect()
+    };
+    let number = |word: &String| word.parse::<f64>().expect("a number");
+    let (vertices, textures) = (rows("v"), rows("vt"));
+    let corner = |word: &String| {
+        let (v, t) = word.split_once('/').expect("texture coordinates");
+        let [v, t] = [v, t].map(|word| word.parse::<usize>().expect("an index") - 1);
+        let (v, t) = (&vertices[v], &textures[t]);
+        [number(&v[1]), number(&v[4]), number(&t[1]), number(&t[2]) - number(&v[2])]
+    };
+    rows("f").iter().map(|face| face[1..].iter().map(corner).collect()).collect()
+}
+
+#[test]
+fn colours_and_texture_coordinates_are_carried_and_seams_kept() {
+    let desk = Desk::new();
+    desk.put("in.obj", textured_square(5));
+    let seam = 5.0 / 16.0;
+    let meshed = |keep: bool| {
+        let arguments = ["mesh", "in.obj", "--points", "150", "-o", "out.obj", "--keep-uv"];
+        let done = desk.run(&arguments[..if keep { 7 } else { 6 }]);
+        assert!(done.status.success() && done.stderr.is_empty(), "{}", text(&done.stderr));
+        textured_corners(&text(&desk.bytes("out.obj")))
+    };
+    let is_across = |face: &Vec<[f64; 4]>| {
+        face.iter().any(|corner| corner[0] < seam - 1e-9) && face.iter().any(|corner| corner[0] > seam + 1e-9)
+    };
+    let faces = meshed(true);
+    assert!(faces.len() > 100 && !faces.iter().any(is_across));
+    for face in &faces {
+        let middle = face.iter().map(|corner| corner[0]).sum::<f64>() / face.len() as f64;
+        for &[x, red, u, v_off] in face {
+            let wanted = if middle < seam { x } else { x + 10.0 };
+            assert!((red - x).abs() < 1e-9 && (u - wanted).abs() < 1e-9 && v_off.abs() < 1e-9, "{face:?}");
+        }
+    }
+    assert!(meshed(false).iter().any(is_across), "without the option the seam is no feature");
+}
+
+#[test]
+fn what_is_not_carried_is_told_in_a_line() {
+    let desk = Desk::new();
+    desk.put("in.obj", textured_square(16));
+    let told = |arguments: &[&str]| {
+        let done = desk.run(&[&["mesh", "in.obj", "--size", "0.1"], arguments].concat());
+        assert!(done.status.success(), "{}", text(&done.stderr));
+        text(&done.stderr)
+    };
+    for format in ["obj", "ply", "vtk", "vtu", "glb"] {
+        assert_eq!(told(&["-o", &format!("out.{format}")]), "");
+    }
+    let message = told(&["-o", "out.stl"]);
+    let wanted =
+        "warning: not carried to out.stl: colours, texture coordinates; ply, vtk and vtu hold numbers of vertices\n";
+    assert_eq!(message, wanted);
+    // What was carried is carried again from the results.
+    for (from, to) in [("ply", "vtu"), ("vtk", "ply"), ("vtu", "vtk")] {
+        let arguments = ["mesh", &format!("out.{from}"), "--size", "0.1", "-o", &format!("again.{to}")];
+        let done = desk.run(&arguments);
+        let message = text(&done.stderr);
+        let cells = if from == "ply" { "" } else { "not carried to" };
+        assert!(done.status.success() && message.contains(cells) && !message.contains("colours"), "{message}");
+        let again = read(&desk.path(&format!("again.{to}"))).expect("a surface").attributes;
+        let names: Vec<&str> = again.list.iter().map(|attribute| &*attribute.name).collect();
+        assert!(names.contains(&"RGB") && names.contains(&"TCoords"), "{names:?}");
+    }
+    let refused = desk.refusal(2, &["mesh", "in.obj", "--size", "0.1", "-o", "source.obj", "--with-source"]);
+    assert!(refused.contains("--with-source goes with ply, vtk and vtu"), "{refused}");
+}
+
+/// A cube of side 10 as binary STL, a corner of it at (x, x, x).
+fn far_cube(x: f32) -> Vec<u8> {
+    let corner = |k: usize| [k & 1, k >> 1 & 1, k >> 2].map(|bit| x + 10.0 * bit as f32);
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles: Vec<_> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let mut bytes = vec![b' '; 80];
+    bytes.extend((triangles.len() as u32).to_le_bytes());
+    for triangle in triangles {
+        bytes.extend([0; 12]);
+        bytes.extend(triangle.iter().flat_map(|&k| corner(k)).flat_map(f32::to_le_bytes));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+#[test]
+fn coordinates_too_coarse_for_the_tiles_are_told() {
+    let desk = Desk::new();
+    // Steps are 0.0625 at the first place, and tiles have sides of about 0.8. At the second, coordinates are whole numbers.
+    for (x, is_told) in [(1_000_000.06, true), (1_000_000.0, false), (0.062_5, false)] {
+        desk.put("in.stl", far_cube(x));
+        let done = desk.run(&["mesh", "in.stl", "--points", "1000", "-o", "out.obj"]);
+        let message = text(&done.stderr);
+        assert!(done.status.success(), "{message}");
+        assert_eq!(message.contains("multiples of 6.2e-2, as f32 has them"), is_told, "{x}: {message}");
+        assert_eq!(message.contains("move the model to the origin"), is_told, "{x}: {message}");
+    }
+}
+
+#[test]
+fn materials_are_regions_of_the_mesh() {
+    let desk = Desk::new();
+    let plate = "o plate\nv 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\n";
+    desk.put("in.obj", format!("{plate}usemtl steel\nf 1 2 5 4\nusemtl rubber\nf 2 3 6 5\n"));
+    desk.said(&["mesh", "in.obj", "--points", "60", "-o", "out.obj"]);
+    let mesh = read_mesh(&desk.path("out.obj")).expect("it is a mesh");
+    assert_eq!(mesh.regions.names, ["plate steel", "plate rubber"]);
+    for (face, region) in mesh.faces().zip(&mesh.regions.of_face) {
+        let middle = face.iter().map(|&v| mesh.points[v as usize][0]).sum::<f64>() / face.len() as f64;
+        assert_eq!(*region == 0, middle < 1.0, "the border is kept");
+    }
 }

@@ -267,7 +267,7 @@ fn the_file_has_the_mesh() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let soup = turned_box(0.3);
     let Meshed { mesh, vertices, .. } = meshed(&soup, 300);
-    let file = MeshFile::new(&mesh, &vertices, &soup);
+    let file = MeshFile::new(&mesh, &vertices).with_input(&soup, true);
     for format in [Format::Obj, Format::Ply] {
         let path = folder.path().join(format.name());
         write_mesh(&path, format, &file).expect("it can be written");

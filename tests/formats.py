@@ -2,6 +2,7 @@
 
 The OBJ file, read by a few lines here, is the reference: points, faces and the region of each face."""
 
+import collections
 import json
 import pathlib
 import struct
@@ -145,11 +146,7 @@ def check_vtk(path, mesh):
         expect((corners != 4) == np.isnan(jacobian), f"{path.name}: a Jacobian of {jacobian}")
     expect(abs(np.linalg.norm(grid.point_data["field"], axis=1) - 1).max() < 1e-6, "unit vectors of the field")
     expect(set(grid.point_data["kind"]) <= {0, 1, 2, 3}, "kinds of vertices")
-    # The point of the input that the source names is the vertex.
-    source = mesh.source
-    corners = source.points[np.array(source.faces)[grid.point_data["source_triangle"]]]
-    places = np.einsum("ij,ijk->ik", grid.point_data["source_barycentric"], corners)
-    same_points(places, mesh, f"{path.name}: sources", 1e-9)
+    expect("source_triangle" not in grid.point_data, "sources that were not asked for")
     # Of a legacy file with larger faces, meshio reads no arrays of cells.
     arrays = {"region", "shape", "scaled_jacobian"} if path.suffix == ".vtu" or 7 not in kinds else set()
     expect(set(read.cell_data) == arrays, f"{path.name}: arrays of cells {set(read.cell_data)}")
@@ -265,6 +262,16 @@ def check_exactness(folder, mesh):
     expect(root.sum() > 20 and (wing.points[root, 1] == 0.0).all(), "the root of the wing has y = 0")
 
 
+def solved(folder, name, model):
+    """The displacements that CalculiX finds."""
+    (folder / f"{name}.inp").write_text(model)
+    solver = subprocess.run(["ccx", name], cwd=folder, capture_output=True, text=True)
+    expect(solver.returncode == 0 and "*ERROR" not in solver.stdout, f"CalculiX: {solver.stdout[-2000:]}")
+    lines = (folder / f"{name}.frd").read_text().split("-4  DISP")[1].splitlines()
+    lines = lines[: [line.strip() for line in lines].index("-3")]
+    return np.array([[float(line[13 + 12 * k : 25 + 12 * k]) for k in range(3)] for line in lines if line[:3] == " -1"])
+
+
 def check_calculix(folder):
     """A clamped plate under pressure, of the elements of an INP file."""
     run("mesh", "example:plate", "--points", "300", "--quads", "paper", "-o", folder / "plate.inp")
@@ -284,15 +291,191 @@ surface, P, 0.01
 U
 *END STEP
 """
-    (folder / "model.inp").write_text(model)
-    solver = subprocess.run(["ccx", "model"], cwd=folder, capture_output=True, text=True)
-    expect(solver.returncode == 0 and "*ERROR" not in solver.stdout, f"CalculiX: {solver.stdout[-2000:]}")
-    lines = (folder / "model.frd").read_text().split("-4  DISP")[1].splitlines()
-    lines = lines[: [line.strip() for line in lines].index("-3")]
-    values = np.array([[float(line[13 + 12 * k : 25 + 12 * k]) for k in range(3)] for line in lines if line[:3] == " -1"])
+    values = solved(folder, "model", model)
     deflection = np.abs(values[:, 2]).max()
     expect(np.isfinite(values).all() and 1e-6 < deflection < 1e-1, f"CalculiX: a deflection of {deflection}")
     print(f"CalculiX: {len(values)} nodes of the expanded shell, largest deflection {deflection:.3e}")
+
+
+def check_sources(folder):
+    """The points of the input that the sources name are the vertices."""
+    source = Reference(folder / "box.obj")
+    for form in ("ply", "vtk", "vtu"):
+        path = folder / f"sources.{form}"
+        run("mesh", folder / "box.obj", "--points", "600", "--with-source", "-o", path)
+        data = pyvista.read(path)
+        if form == "ply":
+            rows = ply_vertices(path)
+            columns = lambda *names: np.stack([rows[name] for name in names], 1)
+            points, triangles = columns("x", "y", "z"), rows["source_triangle"]
+            weights = columns(*(f"source_barycentric_{k}" for k in range(3)))
+        else:
+            points, arrays = data.points, data.point_data
+            triangles, weights = arrays["source_triangle"], arrays["source_barycentric"]
+        places = np.einsum("ij,ijk->ik", weights, source.points[np.array(source.faces)[triangles]])
+        off = np.linalg.norm(places - points, axis=1).max()
+        expect(len(points) > 500 and off < 1e-9, f"{path.name}: vertices are {off} off their sources")
+        triangles = np.roll(triangles, 1)
+        places = np.einsum("ij,ijk->ik", weights, source.points[np.array(source.faces)[triangles]])
+        expect(np.linalg.norm(places - points, axis=1).max() > 0.1, f"{path.name}: any source fits")
+
+
+def ply_vertices(path):
+    """The properties of a PLY file's vertices, by name; VTK and trimesh drop those that they do not know."""
+    head, body = path.read_bytes().split(b"end_header\n", 1)
+    kinds = {"double": "<f8", "int": "<i4", "uchar": "u1"}
+    words = [line.split() for line in head.decode().split("element face")[0].splitlines()]
+    count = next(int(line[2]) for line in words if line[:2] == ["element", "vertex"])
+    record = np.dtype([(line[2], kinds[line[1]]) for line in words if line[0] == "property"])
+    return np.frombuffer(body, record, count)
+
+
+def painted(folder):
+    """A tilted square of 12 by 12 quads as PLY: red is x, blue is y; texture coordinates are x and y / 2, and heat is x - y."""
+    side = 12
+    head = ["ply", "format ascii 1.0", f"element vertex {(side + 1) ** 2}"]
+    head += [f"property float {name}" for name in ("x", "y", "z")]
+    head += [f"property uchar {name}" for name in ("red", "green", "blue")]
+    head += [f"property double {name}" for name in ("s", "t", "heat")]
+    head += [f"element face {side**2}", "property list uchar int vertex_indices", "end_header"]
+    rows = []
+    for i in range(side + 1):
+        for j in range(side + 1):
+            x, y = i / side, j / side
+            rows.append(f"{x} {y} {x + y} {round(255 * x)} 0 {round(255 * y)} {x} {y / 2} {x - y}")
+    for i in range(side):
+        for j in range(side):
+            corner = i * (side + 1) + j
+            rows.append(f"4 {corner} {corner + side + 1} {corner + side + 2} {corner + 1}")
+    (folder / "painted.ply").write_text("\n".join(head + rows) + "\n")
+
+
+def check_attributes(folder):
+    """Colours, texture coordinates and numbers, as other programs find them at the vertices."""
+    painted(folder)
+
+    def expect_values(points, form, colours=None, textures=None, heat=None):
+        x, y = np.asarray(points).T[:2]
+        for name, found, wanted, most in (
+            ("colours", colours, np.stack([x, 0 * x, y], 1), 0.02),
+            ("texture coordinates", textures, np.stack([x, y / 2], 1), 1e-6),
+            ("heat", heat, x - y, 1e-6),
+        ):
+            off = 0 if found is None else np.abs(np.asarray(found) - wanted).max()
+            expect(off <= most, f"{form}: {name} are {off} off")
+            expect(found is None or np.ptp(wanted) > 10 * most, f"{form}: {name} are all the same")
+
+    for form in ("obj", "ply", "vtk", "vtu", "glb"):
+        path = folder / f"painted.out.{form}"
+        done = run("mesh", folder / "painted.ply", "--points", "200", "-o", path)
+        told = "not carried" in done.stderr.decode()
+        expect(told == (form in ("obj", "glb")), f"{form}: {done.stderr.decode()}")
+        if form in ("vtk", "vtu"):
+            grid = pyvista.read(path)
+            arrays = grid.point_data
+            expect_values(grid.points, form, arrays["RGB"] / 255, arrays["TCoords"], arrays["heat"])
+        elif form == "ply":
+            rows = ply_vertices(path)
+            columns = lambda *names: np.stack([rows[name] for name in names], 1)
+            expect_values(columns("x", "y", "z"), form, columns("red", "green", "blue") / 255, columns("s", "t"), rows["heat"])
+            read = pyvista.read(path).point_data
+            expect(np.array_equal(read["RGB"], columns("red", "green", "blue")), f"ply by VTK: {list(read)}")
+        elif form == "obj":
+            lines = [line.split() for line in path.read_text().splitlines()]
+            rows = np.array([[float(word) for word in line[1:]] for line in lines if line[0] == "v"])
+            expect_values(rows[:, :3], form, rows[:, 3:])
+            read = pyvista.read(path)
+            expect_values(read.points, "obj by VTK", textures=read.point_data.active_texture_coordinates)
+        else:
+            meshes = trimesh.load(path, process=False, force="scene").geometry.values()
+            for mesh in (mesh for mesh in meshes if isinstance(mesh, trimesh.Trimesh)):
+                visual, (content, positions) = mesh.visual, glb(path)
+                middle = content["nodes"][0]["translation"]
+                expect_values(positions["POSITION"] + middle, form, positions["COLOR_0"])
+                # glTF counts from the top; trimesh turns it back.
+                flipped = positions["TEXCOORD_0"] * [1, -1] + [0, 1]
+                expect_values(positions["POSITION"] + middle, form, textures=flipped)
+                expect(len(mesh.vertices) == len(flipped), f"glb by trimesh: {visual}")
+
+
+def glb(path):
+    """The content of a GLB file, and the attributes of its first primitive."""
+    data = path.read_bytes()
+    length = struct.unpack("<I", data[12:16])[0]
+    content = json.loads(data[20 : 20 + length])
+    attributes = {}
+    for name, number in content["meshes"][0]["primitives"][0]["attributes"].items():
+        accessor = content["accessors"][number]
+        width = int(accessor["type"][-1])
+        at = 28 + length + accessor.get("byteOffset", 0)
+        attributes[name] = np.frombuffer(data, "<f4", width * accessor["count"], at).reshape(-1, width).astype(float)
+    return content, attributes
+
+
+def check_named_wing(folder):
+    """The README's wing: named solids of an STL file in millimetres go to SU2 and MSH with their names."""
+    run("example", "m6", "--triangles", "4000", "-o", folder / "m6.obj")
+    wing = Reference(folder / "m6.obj")
+    points = 1000 * wing.points
+    parts = {"upper": [], "lower": [], "tip": []}
+    tip = points[:, 1].max() - 20
+    for face in wing.faces:
+        middle = points[face].mean(axis=0)
+        parts["tip" if middle[1] > tip else "upper" if middle[2] > 0 else "lower"].append(face)
+    with open(folder / "wing.stl", "w") as file:
+        for name, faces in parts.items():
+            file.write(f"solid {name}\n")
+            for face in faces:
+                file.write("facet normal 0 0 0\nouter loop\n")
+                file.writelines("vertex {!r} {!r} {!r}\n".format(*map(float, points[v])) for v in face)
+                file.write("endloop\nendfacet\n")
+            file.write(f"endsolid {name}\n")
+    for form in ("su2", "msh", "obj"):
+        done = run("mesh", folder / "wing.stl", "--size", "25", "-o", folder / f"wing.{form}")
+        expect(b"warning" not in done.stderr, f"the named wing: {done.stderr.decode()}")
+    mesh = Reference(folder / "wing.obj")
+    expect(sorted(mesh.names) == sorted(parts), f"the named wing: {mesh.names}")
+    check_su2(folder / "wing.su2", mesh)
+    check_msh(folder / "wing.msh", mesh)
+    print(f"the wing in millimetres: {len(mesh.faces)} faces of {', '.join(mesh.names)} in SU2 and MSH")
+
+
+def check_bracket(folder):
+    """A bracket of three plates that meet in T-joints, all quads, clamped at its foot and pressed at its wall."""
+    corners = {
+        "foot": [(0, 0, 0), (80, 0, 0), (80, 60, 0), (0, 60, 0)],
+        "wall": [(40, 0, 0), (40, 60, 0), (40, 60, 50), (40, 0, 50)],
+        "rib": [(40, 30, 0), (80, 30, 0), (40, 30, 50)],
+    }
+    # Plates are cut where others stand on them.
+    x, y, z = [0, 40, 80], [0, 30, 60], [0, 50]
+    quads = [("foot", [(x[i], y[j], 0), (x[i + 1], y[j], 0), (x[i + 1], y[j + 1], 0), (x[i], y[j + 1], 0)]) for i in (0, 1) for j in (0, 1)]
+    quads += [("wall", [(40, y[j], 0), (40, y[j + 1], 0), (40, y[j + 1], 50), (40, y[j], 50)]) for j in (0, 1)]
+    quads += [("rib", corners["rib"])]
+    lines = []
+    count = 0
+    for name, places in quads:
+        lines.append(f"g {name}")
+        lines += ["v {} {} {}".format(*place) for place in places]
+        lines.append("f " + " ".join(str(count + k + 1) for k in range(len(places))))
+        count += len(places)
+    (folder / "bracket.obj").write_text("\n".join(lines) + "\n")
+    run("mesh", folder / "bracket.obj", "--size", "6", "--quads", "all", "-o", folder / "bracket.inp")
+    read = meshio.read(folder / "bracket.inp")
+    expect([block.type for block in read.cells] == ["quad"] * 3, f"the bracket: {read.cells}")
+    expect(set(read.cell_sets) == set(corners), f"the bracket: sets {list(read.cell_sets)}")
+    sides = [tuple(sorted(side)) for block in read.cells for face in block.data for side in zip(face, np.roll(face, 1))]
+    joints = sum(count > 2 for count in collections.Counter(sides).values())
+    expect(joints > 15, f"the bracket: {joints} edges of more than two faces")
+    clamped = [number + 1 for number, point in enumerate(read.points) if point[2] == 0]
+    model = "*INCLUDE, INPUT=bracket.inp\n*NSET, NSET=CLAMPED\n" + "\n".join(f"{number}," for number in clamped)
+    model += "\n*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n"
+    model += "".join(f"*SHELL SECTION, ELSET={name}, MATERIAL=STEEL\n3.\n" for name in corners)
+    model += "*BOUNDARY\nCLAMPED, 1, 6\n*STEP\n*STATIC\n*DLOAD\nwall, P, 0.1\n*NODE FILE\nU\n*END STEP\n"
+    values = solved(folder, "bracket_model", model)
+    deflection = np.linalg.norm(values, axis=1).max()
+    expect(np.isfinite(values).all() and 1e-4 < deflection < 10, f"CalculiX: a deflection of {deflection}")
+    print(f"CalculiX: a bracket of {len(sides) // 4} quads, largest deflection {deflection:.3e}")
 
 
 def check_streams(folder):
@@ -319,7 +502,6 @@ def main():
             arguments = ["mesh", folder / f"{source}.obj", "--points", "600", *options]
             run(*arguments, "-o", folder / "mesh.obj")
             mesh = Reference(folder / "mesh.obj")
-            mesh.source = Reference(folder / f"{source}.obj")
             counts = [len(mesh.of(4)), len(mesh.of(3)), sum(len(face) > 4 for face in mesh.faces)]
             some_larger = formats != FORMATS
             expect(counts[0] > 100 and (counts[1] > 0 or some_larger) and (counts[2] > 0) == some_larger, f"faces: {counts}")
@@ -335,7 +517,12 @@ def main():
                 if form == "msh22":
                     path.rename(folder / "mesh.msh22")
             print("{}: {} quads, {} triangles, {} larger faces read back in {} formats".format(source, *counts, len(formats)))
+        mesh.source = Reference(folder / "box.obj")
         check_exactness(folder, mesh)
+        check_sources(folder)
+        check_attributes(folder)
+        check_named_wing(folder)
+        check_bracket(folder)
         check_streams(folder)
         check_calculix(folder)
     gmsh.finalize()

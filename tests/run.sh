@@ -30,6 +30,8 @@ fi
 # Where there is no desktop, Mesa's device-select layer complains on stderr at every start.
 [ -n "${XDG_RUNTIME_DIR-}" ] || export NODEVICE_SELECT=1
 export QUADMOSAIC_REQUIRE_GPU="${QUADMOSAIC_REQUIRE_GPU-1}"
+# The random surfaces of tests/campaign; 5000 by hand.
+export QUADMOSAIC_CAMPAIGN="${QUADMOSAIC_CAMPAIGN-300}"
 
 if cargo fmt --version >/dev/null 2>&1; then
     check "cargo fmt" cargo fmt --check

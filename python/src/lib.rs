@@ -10,9 +10,12 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use quadmosaic::export::{Format, MeshFile, write_mesh};
 use quadmosaic::field::{parse_guides, read_guides};
+use quadmosaic::mesh::transfer::{Source, SourceTree};
 use quadmosaic::mesh::{Mesh, VertexAttributes};
+use quadmosaic::pipeline::Meshed as Finished;
 use quadmosaic::sizes::{read_sizes, samples};
 use quadmosaic::surface::{Ends, NamedEdge, load as loading, read_edges};
+use quadmosaic::warnings::of_precision;
 use quadmosaic::{Fineness, Options, Soup};
 use std::path::{Path, PathBuf};
 
@@ -21,6 +24,7 @@ use std::path::{Path, PathBuf};
 struct Meshed {
     file: MeshFile,
     attributes: Vec<VertexAttributes>,
+    sources: Vec<Source>,
     #[pyo3(get)]
     report: String,
     #[pyo3(get)]
@@ -61,7 +65,7 @@ impl Meshed {
 
     /// The triangle of the input that each vertex lies on.
     fn source<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        integers(py, self.attributes.iter().map(|vertex| i64::from(vertex.triangle)))
+        integers(py, self.sources.iter().map(|source| i64::from(source.triangle)))
     }
 
     /// 0 free, 1 on a boundary, 2 on a feature curve, 3 a corner.
@@ -114,17 +118,20 @@ fn mesh(
     };
 
     let mesher = machine.mesher(py)?;
-    let outcome = run::watched(py, progress.as_ref(), |watch| {
+    let done = run::watched(py, progress.as_ref(), |watch| {
         machine.on_threads(|| {
             let outcome = mesher.mesh_watched(&soup, &all, watch)?;
             let report = mesher.report("arrays", &all, &outcome);
-            Ok((MeshFile::new(&outcome.meshed.mesh, &outcome.meshed.vertices, &soup), outcome.meshed.vertices, report))
+            let Finished { mesh, vertices: attributes, .. } = outcome.meshed;
+            let sources = SourceTree::new(&soup).sources(&mesh.points);
+            Ok((MeshFile::new(&mesh, &attributes).with_input(&soup, false), attributes, sources, report))
         })
     })?;
-    let (file, attributes, report) = outcome?.map_err(of_pipeline)?;
-    let warnings = report.warnings().into_iter().chain(report.wrong()).collect();
+    let (file, attributes, sources, report) = done?.map_err(of_pipeline)?;
+    let coarse = of_precision(&soup, file.mesh().points.len());
+    let warnings = report.warnings().into_iter().chain(report.wrong()).chain(coarse).collect();
     let report = serde_json::to_string(&report).map_err(of_value)?;
-    Ok(Meshed { file, attributes, report, warnings })
+    Ok(Meshed { file, attributes, sources, report, warnings })
 }
 
 /// Sizes at points: rows of x, y, z and the size, or a file.

@@ -221,7 +221,11 @@ impl Item {
         let outcome = mesher.mesh(&soup, options)?;
         let report = mesher.report(&self.name, options, &outcome);
         let meshed = &outcome.meshed;
-        write_mesh(&folder.join(file), format, &MeshFile::new(&meshed.mesh, &meshed.vertices, &soup))?;
+        write_mesh(
+            &folder.join(file),
+            format,
+            &MeshFile::new(&meshed.mesh, &meshed.vertices).with_input(&soup, false),
+        )?;
         let wrong = report.wrong();
         let quality = &report.mesh;
         Ok(Row {

@@ -14,6 +14,9 @@ pub struct FeatureArguments {
     /// Ignore the borders of regions (groups, materials, solids); the faces of the mesh still have the names of their regions
     #[arg(long, help_heading = "Features")]
     ignore_regions: bool,
+    /// Keep the seams of texture coordinates like creases, so that no face of the mesh lies across one
+    #[arg(long, help_heading = "Features")]
+    keep_uv: bool,
     /// Edges to keep at any angle, from a file: on each line two vertex numbers of the surface, counted from 1, or two
     /// points (X,Y,Z,X,Y,Z); a straight line of edges may be named by its ends
     #[arg(long, value_name = "FILE", help_heading = "Features")]
@@ -28,6 +31,7 @@ impl FeatureArguments {
             crease: self.crease.unwrap_or(default.crease),
             every_crease: self.crease.is_some(),
             region_borders: !self.ignore_regions,
+            texture_seams: self.keep_uv,
             ..default
         }
     }

@@ -13,6 +13,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::export::MeshFile;
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
 use quadmosaic::pipeline::Stage;
+use quadmosaic::surface::AttributeKind;
+use quadmosaic::warnings;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -39,6 +41,10 @@ pub struct Arguments {
     #[command(flatten)]
     machine: Machine,
 
+    /// Write where each vertex lies on the input (arrays source_triangle, counted from 0, and source_barycentric); with PLY, VTK and
+    /// VTU
+    #[arg(long)]
+    with_source: bool,
     /// Draw the mesh, as `quadmosaic picture` does
     #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
     picture: Option<PathBuf>,
@@ -79,7 +85,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Err(Unsound(format!("{} was not written: {wrong}", arguments.output.output)).into());
     }
     let meshed = &outcome.meshed;
-    let (written, writing) = timed(|| arguments.output.write(&MeshFile::new(&meshed.mesh, &meshed.vertices, &soup)));
+    let (written, writing) = timed(|| {
+        let file = MeshFile::new(&meshed.mesh, &meshed.vertices).with_input(&soup, arguments.with_source);
+        arguments.output.write(&file)
+    });
     written?;
     let report =
         report.with_times(&[("read", reading), ("device", opening)], &[("measure", measuring), ("write", writing)]);
@@ -94,6 +103,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     warn(wrong.map(|wrong| format!("{}: {wrong}", arguments.output.output)));
     warn(report.warnings());
+    let output = &arguments.output;
+    warn(warnings::of_attributes(&soup.attributes, output.format()?, &output.output.to_string()));
+    warn(warnings::of_precision(&soup, meshed.mesh.points.len()));
     Ok(())
 }
 
@@ -105,6 +117,11 @@ impl Arguments {
         if self.method.leaves_holes() && !format.takes_polygons() {
             return Err(conflict(format!(
                 "{format} has no faces of more than four corners; --holes leave does not go with it"
+            )));
+        }
+        if self.with_source && !format.takes(AttributeKind::Numbers) {
+            return Err(conflict(format!(
+                "{format} has no arrays of vertices; --with-source goes with ply, vtk and vtu"
             )));
         }
         if (&self.output.output, self.report.as_ref()) == (&Output::Standard, Some(&Output::Standard)) {

@@ -1,4 +1,4 @@
-//! What is known of the vertices of a finished mesh: their exact points, their kinds and where they lie on the input.
+//! What is known of the vertices of a finished mesh: their exact points, their kinds and the direction of the cross.
 //!
 //! # Practice
 //! The mesh is made in f32 over the bounding box. Here a vertex is put back onto the input's own coordinates: onto its vertex, its
@@ -9,7 +9,7 @@ use super::objective::Context;
 use super::surface_mesh::SurfaceMesh;
 use super::vertex::{Place, Vertex};
 use crate::mosaic::{FeaturePoint, Mosaic};
-use crate::surface::{NONE, Surface};
+use crate::surface::{NONE, Projected, Surface};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -37,15 +37,26 @@ pub enum VertexKind {
 pub struct VertexAttributes {
     /// What it lies on.
     pub kind: VertexKind,
-    /// A triangle of the input that it lies on, counted from 0.
-    pub triangle: u32,
     /// A unit tangent direction of the cross; rough on features.
     pub direction: [f64; 3],
 }
 
 /// The points, in model units, and the attributes of the vertices of a compacted mesh.
 pub(crate) fn attributes(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic) -> Vec<([f64; 3], VertexAttributes)> {
-    mesh.vertices().par_iter().with_min_len(256).map(|vertex| attributes_of(context, vertex, mosaic)).collect()
+    let vertices = mesh.vertices().par_iter().with_min_len(256);
+    let mut known: Vec<_> = vertices.map(|vertex| attributes_of(context, vertex, mosaic)).collect();
+    let projected = |(vertex, (_, known)): (&Vertex, &([f64; 3], VertexAttributes))| Projected {
+        point: vertex.point,
+        normal: vertex.normal,
+        is_on_feature: matches!(known.kind, VertexKind::Boundary | VertexKind::Feature),
+    };
+    let places = context.surface.projected(&mesh.vertices().iter().zip(&known).map(projected).collect::<Vec<_>>());
+    for ((point, known), place) in known.iter_mut().zip(places.into_iter().flatten()) {
+        if let Some(place) = place.filter(|_| known.kind != VertexKind::Corner) {
+            *point = place;
+        }
+    }
+    known
 }
 
 fn attributes_of(context: &Context, vertex: &Vertex, mosaic: &Mosaic) -> ([f64; 3], VertexAttributes) {
@@ -87,7 +98,7 @@ fn attributes_of(context: &Context, vertex: &Vertex, mosaic: &Mosaic) -> ([f64; 
     };
     let given = surface.frame().to_model(vertex.point.into());
     let is_near = DVec3::from(given).distance(point.into()) <= ROUNDING * surface.frame().diagonal;
-    let attributes = VertexAttributes { kind, triangle: surface.source(triangle), direction: vertex.axis.into() };
+    let attributes = VertexAttributes { kind, direction: vertex.axis.into() };
     (if is_near { point } else { given }, attributes)
 }
 

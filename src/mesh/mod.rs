@@ -27,6 +27,7 @@ pub mod relocate;
 pub mod snap;
 mod surface_mesh;
 mod topology;
+pub mod transfer;
 pub mod triangulate;
 mod vertex;
 

@@ -2,9 +2,9 @@
 //!
 //! # Theory
 //! A face is inverted where its normal points against the sheet that it lies on: the triangle of the surface nearest to its
-//! middle. Several triangles can be equally near beside a sharp edge: then the sum of their normals decides, the pseudonormal of
-//! Baerentzen and Aanaes 2005. So a wall perpendicular to the face does not count, nor do sheets that lie on each other. No
-//! search is needed where the sheets at all corners are known and agree, which is the usual case.
+//! middle. Several triangles can be equally near, beside an edge: none of them may oppose the face. A wall perpendicular to the
+//! face does not count, nor do two sheets that lie on each other. No search is needed where the sheets at all corners are known and
+//! agree, which is the usual case.
 //!
 //! # Practice
 //! Give the triangles at the corners where they are known: this is faster, and it decides on parts thinner than a face, where
@@ -16,8 +16,10 @@ use glam::DVec3;
 
 /// The cosine of the largest angle between a face and the sheets at its corners that needs no search: 60 degrees.
 const AGREEMENT: f64 = 0.5;
-/// A sum of cosines smaller than this counts as none: the triangles are perpendicular to the face, but for roundings.
+/// A cosine smaller than this counts as none: the triangle is perpendicular to the face, but for roundings.
 const PERPENDICULAR: f64 = 1e-3;
+/// The largest cosine of the normals of two sheets that lie on each other.
+const BACK: f32 = -0.98;
 
 /// The orientation of a surface, with a tree of its triangles.
 pub(crate) struct Orientation<'a> {
@@ -79,10 +81,14 @@ impl<'a> Orientation<'a> {
             let corners = self.surface.corners(triangle as usize).map(|corner| corner.as_dvec3());
             squared_distance(middle, corners).sqrt()
         };
-        let all: Vec<(f64, f64)> = found.into_iter().map(|triangle| (off(triangle), cosine(triangle))).collect();
+        let all: Vec<(f64, u32)> = found.into_iter().map(|triangle| (off(triangle), triangle)).collect();
         let least = all.iter().map(|(off, _)| *off).fold(f64::INFINITY, f64::min);
-        let near = all.iter().filter(|(off, _)| *off <= least + EQUALLY_NEAR).map(|(_, cosine)| *cosine);
-        near.sum::<f64>() < -PERPENDICULAR
+        let near = || all.iter().filter(|(off, _)| *off <= least + EQUALLY_NEAR).map(|(_, triangle)| *triangle);
+        let has_back = |triangle: u32| {
+            let normal = self.surface.normal(triangle as usize);
+            near().any(|other| self.surface.normal(other as usize).dot(normal) < BACK)
+        };
+        near().any(|triangle| cosine(triangle) < -PERPENDICULAR && !has_back(triangle))
     }
 }
 

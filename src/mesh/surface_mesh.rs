@@ -9,7 +9,7 @@
 //! it once, after the last edit.
 
 use super::incidence::{Rows, neighbours_in, undirected};
-use super::vertex::{Position, Vertex};
+use super::vertex::{Place, Position, REGULAR, Vertex};
 use super::{Mesh, Metric};
 use crate::surface::{NONE, Surface};
 use glam::DVec3;
@@ -105,6 +105,31 @@ impl SurfaceMesh {
     pub(crate) fn curve(&self, edge: [u32; 2]) -> Option<u32> {
         let on = |v: u32| self.vertices.get(v as usize).is_some_and(|vertex| !vertex.is_free());
         if edge.iter().all(|&v| on(v)) { self.features.get(&undirected(edge)).copied() } else { None }
+    }
+
+    /// Frees the vertices of some faces from the curves inside the surface that they lie on. True: there were some.
+    pub(crate) fn free_from_curves(&mut self, surface: &Surface, faces: &[u32]) -> bool {
+        let is_inner = |curve: u32| {
+            surface.features().curves()[curve as usize].half_edges.iter().all(|&h| surface.twin(h).is_some())
+        };
+        let mut any = false;
+        let corners: Vec<u32> = faces.iter().flat_map(|&face| self.face(face)).copied().collect();
+        for v in corners {
+            let vertex = &mut self.vertices[v as usize];
+            if let Place::OnCurve { curve, .. } = vertex.place
+                && is_inner(curve)
+            {
+                *vertex = Vertex {
+                    place: Place::Free,
+                    triangles: [vertex.triangles[0]; 2],
+                    normal: surface.normal(vertex.triangles[0] as usize).as_dvec3(),
+                    valence: REGULAR,
+                    ..*vertex
+                };
+                any = true;
+            }
+        }
+        any
     }
 
     /// The neighbours of a vertex along a feature curve.

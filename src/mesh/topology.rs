@@ -4,6 +4,7 @@ use super::{Edge, Mesh};
 use crate::sets::Sets;
 use crate::surface::Surface;
 use rayon::prelude::*;
+use rustc_hash::FxHashSet;
 use serde::Serialize;
 
 /// Invariants under deformation.
@@ -11,7 +12,7 @@ use serde::Serialize;
 pub struct Topology {
     /// The Euler characteristic: vertices in use - edges + faces.
     pub euler: i64,
-    /// Number of closed boundary curves.
+    /// Number of closed boundary curves. Where sheets meet on the boundary, curves branch; those that are connected count once.
     pub boundary_loops: usize,
     /// Number of connected components; faces that share a vertex are connected.
     pub components: usize,
@@ -59,7 +60,7 @@ impl Connectivity {
         let used = fans.iter().filter(|fans| **fans > 0).count();
         let topology = Topology {
             euler: used as i64 - edges.len() as i64 + mesh.face_count() as i64,
-            boundary_loops: loops.len(),
+            boundary_loops: loop_count(mesh, &edges, &loops),
             components,
         };
         Self { edges, fans, loops, topology }
@@ -131,6 +132,22 @@ fn boundary_loops(mesh: &Mesh, edges: &[Edge]) -> Vec<Vec<u32>> {
         loops.push(vertices);
     }
     loops
+}
+
+/// The number of closed curves; of connected ones, of which one begins or ends at a branch, there is one.
+fn loop_count(mesh: &Mesh, edges: &[Edge], loops: &[Vec<u32>]) -> usize {
+    let mut excess = vec![0_i32; mesh.points.len()];
+    let mut parts = Sets::new(mesh.points.len());
+    for edge in edges.iter().filter(|edge| edge.is_boundary()) {
+        let [a, b] = edge.ends;
+        let sides = edge.along as i32 - edge.against as i32;
+        excess[a as usize] += sides.signum();
+        excess[b as usize] -= sides.signum();
+        parts.join(a, b);
+    }
+    let branched = (0..mesh.points.len() as u32).filter(|&v| excess[v as usize] != 0);
+    let branched: FxHashSet<u32> = branched.map(|v| parts.root(v)).collect();
+    loops.iter().filter(|vertices| !branched.contains(&parts.root(vertices[0]))).count() + branched.len()
 }
 
 fn components(mesh: &Mesh) -> usize {

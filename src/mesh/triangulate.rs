@@ -19,7 +19,7 @@ use super::Metric;
 use super::incidence::undirected;
 use super::intrinsic::Intrinsic;
 use super::surface_mesh::SurfaceMesh;
-use super::vertex::{Place, Vertex};
+use super::vertex::{Place, REGULAR, Vertex};
 use crate::field::Field;
 use crate::geometry::cross;
 use crate::mosaic::anisotropic::factors;
@@ -110,9 +110,6 @@ pub(crate) fn triangulate_while(
     let (feature_samples, extra) = (samples.len(), extra.len());
     Some(Triangulation { faces, tiles, sides, vertices, factors, feature_samples, extra, same_place })
 }
-
-/// The number of faces at a regular vertex.
-const REGULAR: u8 = 4;
 
 /// The locations of half-edges and vertices on the feature curves of a surface.
 struct FeatureLocations<'a> {

@@ -3,6 +3,9 @@
 use crate::surface::{Surface, WALK_EDGES, walk};
 use glam::DVec3;
 
+/// The number of faces at a regular vertex.
+pub(crate) const REGULAR: u8 = 4;
+
 /// The place of a vertex on the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {

@@ -13,6 +13,8 @@ use rstar::primitives::GeomWithData;
 const LEAST: f64 = 0.25;
 /// The least factor by which the girth of a thin part makes a tile smaller.
 const THINNEST: f64 = 0.1;
+/// The least number of tiles on a part of the surface.
+const LEAST_TILES: f64 = 14.0;
 /// Where thin parts take more tiles than this share of the count beside those that they would have, the count is raised.
 const THIN_SHARE: f64 = 0.5;
 /// The samples that the size of a place is a mean of.
@@ -52,6 +54,20 @@ impl SizeOptions {
             turns: self.turns(surface, side),
             girths: self.girths(surface, side),
         }
+    }
+
+    /// The sides of tiles that thin parts ask for, at each vertex, where other tiles have this side, all in unit-sized coordinates;
+    /// `None` without thin parts.
+    pub(crate) fn thin_sides(&self, surface: &Surface, side: f64) -> Option<Vec<f64>> {
+        let girths = self.girths(surface, side)?;
+        let mut sides: Vec<f64> = girths.iter().map(|girth| self.thin_side(side, *girth)).collect();
+        Growth::new(surface).limit(&mut sides, self.growth - 1.0);
+        Some(sides)
+    }
+
+    /// The side of tiles on a part of a girth, where other tiles have this side.
+    fn thin_side(&self, side: f64, girth: f64) -> f64 {
+        side.min((girth / self.around).max(THINNEST * side))
     }
 
     /// The number of tiles of the sides that the samples give as they are, in model units.
@@ -98,7 +114,17 @@ impl SizeOptions {
 
     /// The girth of thin parts at each vertex, infinity elsewhere; `None` without thin parts.
     fn girths(&self, surface: &Surface, side: f64) -> Option<Vec<f64>> {
-        let girths = girths(surface, (self.around * side) as f32, side as f32);
+        if self.around == 0.0 {
+            return None;
+        }
+        let mut girths = girths(surface, (self.around * side) as f32, side as f32);
+        // A part has the girth at which the least number of tiles cover it.
+        for (girth, area) in girths.iter_mut().zip(surface.areas_of_parts()) {
+            let least = (area / LEAST_TILES).sqrt();
+            if least < side {
+                *girth = girth.min(self.around * least);
+            }
+        }
         girths.iter().any(|girth| girth.is_finite()).then_some(girths)
     }
 }
@@ -179,7 +205,7 @@ impl Wanted<'_> {
         }
         if let Some(girths) = &self.girths {
             for (side, girth) in sides.iter_mut().zip(girths) {
-                *side = side.min((girth / self.options.around).max(THINNEST * *side));
+                *side = self.options.thin_side(*side, *girth);
             }
         }
         growth.limit(&mut sides, self.options.growth - 1.0);

@@ -163,12 +163,17 @@ impl Subject {
     fn digest(&self, plan: &Plan) -> String {
         let connect = ConnectOptions::default();
         let options = Options { fineness: Fineness::Points(0), fit: 0.0, connect, ..plan.options.clone() };
-        let Soup { points, triangles, regions: Regions { names, of_face } } = &self.soup;
+        let Soup { points, triangles, regions: Regions { names, of_face }, attributes } = &self.soup;
         let mut hasher = blake3::Hasher::new();
         hasher.update(format!("{options:?} {names:?} {} {}", points.len(), triangles.len()).as_bytes());
         hasher.update(bytemuck::cast_slice(points));
         hasher.update(bytemuck::cast_slice(triangles));
         hasher.update(bytemuck::cast_slice(of_face));
+        // Seams of texture coordinates may be features.
+        for attribute in &attributes.list {
+            hasher.update(bytemuck::cast_slice(&attribute.values));
+            hasher.update(bytemuck::cast_slice(&attribute.of_corners));
+        }
         hasher.finalize().to_string()
     }
 

@@ -11,10 +11,12 @@
 //! Remaining vertices are where they were. Corners, apexes, and vertices where sheets meet stay, and curves lose vertices along
 //! themselves alone.
 
+use super::fine::Fine;
 use super::given::Given;
 use super::{DroppedEdge, FeatureOptions, Features, NONE, Surface, next, previous};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
+use std::sync::Arc;
 
 /// The largest root mean square of the distances from planes and lines, in tile sides.
 const TOLERANCE: f64 = 0.002;
@@ -104,6 +106,8 @@ struct Coarsening {
     leaving: Vec<u32>,
     /// Whether each vertex must stay.
     is_fixed: Vec<bool>,
+    /// Whether other vertices are at the place of each: sheets that meet there must keep the same edges.
+    is_shared: Vec<bool>,
     /// The planes that each vertex stands for.
     planes: Vec<Quadric>,
     /// The lines of curves, of the vertices on them.
@@ -113,7 +117,8 @@ struct Coarsening {
 
 impl Surface {
     /// A coarser surface for tiles of a side, unit-sized.
-    pub(crate) fn coarsened(self, side: f64, options: &FeatureOptions) -> Self {
+    pub(crate) fn coarsened(mut self, side: f64, options: &FeatureOptions) -> Self {
+        self.fine = Some(Arc::new(Fine::new(&self, side)));
         let mut coarsening = Coarsening::new(self, TOLERANCE * side);
         coarsening.collapse_all(LONGEST * side);
         coarsening.flip_all();
@@ -150,7 +155,8 @@ impl Coarsening {
                 *sum = sum.plus(&line);
             }
         }
-        let mut is_fixed = surface.shared_places();
+        let is_shared = surface.shared_places();
+        let mut is_fixed = is_shared.clone();
         for v in 0..surface.vertex_count() as u32 {
             is_fixed[v as usize] |= ![0, 2].contains(&degrees[v as usize]) || surface.features.is_corner(v);
         }
@@ -165,7 +171,7 @@ impl Coarsening {
             }
         }
         let is_dead = vec![false; surface.triangle_count()];
-        Self { surface, kinds, is_dead, leaving, is_fixed, planes, lines, tolerance }
+        Self { surface, kinds, is_dead, leaving, is_fixed, is_shared, planes, lines, tolerance }
     }
 
     fn place(&self, v: u32) -> DVec3 {
@@ -233,7 +239,7 @@ impl Coarsening {
             }
             let w = self.surface.target(h);
             let to = self.place(w);
-            if from.distance_squared(to) > limit * limit {
+            if self.is_shared[w as usize] || from.distance_squared(to) > limit * limit {
                 continue;
             }
             let error = self.planes[v as usize].plus(&self.planes[w as usize]).at(to);
@@ -376,6 +382,9 @@ impl Coarsening {
     fn gains(&self, h: u32, ring: &mut Vec<u32>) -> bool {
         let Some(g) = self.surface.twin(h).filter(|_| self.kinds[h as usize].is_plain()) else { return false };
         let ends = [h, g, previous(h), previous(g)].map(|e| self.surface.origin(e));
+        if ends.iter().any(|&v| self.is_shared[v as usize]) {
+            return false;
+        }
         let [a, b, c, d] = ends.map(|v| self.place(v));
         let angle = |from: DVec3, p: DVec3, q: DVec3| (p - from).angle_between(q - from);
         if angle(c, a, b) + angle(d, a, b) < std::f64::consts::PI + 1e-6 {
@@ -448,10 +457,7 @@ impl Coarsening {
         // Vertices that share their place stay.
         surface.same_place = left.iter().map(|&v| vertex[surface.same_place[v as usize] as usize]).collect();
         surface.regions = surface.regions.of(&sources);
-        surface.given = Given {
-            points: left.iter().map(|&v| surface.given.points[v as usize]).collect(),
-            triangles: sources.iter().map(|&t| surface.given.triangles[t as usize]).collect(),
-        };
+        surface.given = Given { points: left.iter().map(|&v| surface.given.points[v as usize]).collect() };
         surface.features.apexes = surface.features.apexes.iter().map(|&v| vertex[v as usize]).collect();
         surface.features = Features::along(&surface, marked, options.corner, surface.features.reach);
         surface

@@ -21,11 +21,20 @@ pub struct FeatureOptions {
     pub ridge: f64,
     /// Whether edges between named regions are features. Default true.
     pub region_borders: bool,
+    /// Whether edges at which texture coordinates jump are features. Default false.
+    pub texture_seams: bool,
 }
 
 impl Default for FeatureOptions {
     fn default() -> Self {
-        Self { crease: 40.0, every_crease: false, corner: 50.0, ridge: 60.0, region_borders: true }
+        Self {
+            crease: 40.0,
+            every_crease: false,
+            corner: 50.0,
+            ridge: 60.0,
+            region_borders: true,
+            texture_seams: false,
+        }
     }
 }
 

@@ -10,9 +10,9 @@ use super::turning::WithoutBarriers;
 use super::walk::{WALK_EDGES, walk_through};
 use super::{Surface, SurfacePoint};
 use crate::geometry::{cross, unit};
-use glam::Vec3;
+use glam::{IVec3, Vec3};
 use rayon::prelude::*;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::f32::consts::PI;
 
 /// The directions of walks, over half a turn.
@@ -32,7 +32,7 @@ const SPACING: f32 = 1.0 / 3.0;
 /// The girth at each vertex, in unit-sized coordinates, where it is at most `most`; infinity elsewhere.
 pub(crate) fn girths(surface: &Surface, most: f32, side: f32) -> Vec<f64> {
     let mut girths = vec![f64::INFINITY; surface.vertex_count()];
-    let tested = spread(surface, SPACING * side);
+    let tested = spread(surface, SPACING * side, most);
     let found: Vec<f32> = tested.par_iter().with_min_len(64).map(|&triangle| girth(surface, triangle, most)).collect();
     for (&triangle, girth) in tested.iter().zip(found) {
         for v in surface.triangles[triangle as usize] {
@@ -42,15 +42,78 @@ pub(crate) fn girths(surface: &Surface, most: f32, side: f32) -> Vec<f64> {
     girths
 }
 
-/// One triangle of each cell of this size and each octant of normals.
-fn spread(surface: &Surface, cell: f32) -> Vec<u32> {
+/// One triangle of each cell of this size and each octant of normals, of those that have an opposite within half of `most`.
+fn spread(surface: &Surface, cell: f32, most: f32) -> Vec<u32> {
+    let directions = Directions::new();
+    let (middles, kinds): (Vec<Vec3>, Vec<u32>) = (0..surface.triangle_count() as u32)
+        .into_par_iter()
+        .map(|t| (middle(surface, t), directions.nearest(surface.normal(t as usize))))
+        .unzip();
+    let at = |p: Vec3, size: f32| (p / size).floor().as_ivec3();
+    // Two points on opposite sides are no farther apart than half the girth.
+    let reach = most / 2.0;
+    let mut seen_in: FxHashMap<IVec3, u32> = FxHashMap::default();
+    for (t, kind) in kinds.iter().enumerate() {
+        // A large triangle passes several cells: lines along its longest side.
+        let corners = surface.corners(t);
+        let length = |k: usize| corners[k].distance(corners[(k + 1) % 3]);
+        let longest = (0..3).max_by(|&i, &j| length(i).total_cmp(&length(j))).unwrap_or(0);
+        let [a, b, c] = [0, 1, 2].map(|k| corners[(longest + k) % 3]);
+        let height = surface.double_area(t) / length(longest).max(f32::MIN_POSITIVE);
+        let parts = |length: f32| (length / reach).ceil().max(1.0);
+        let (along, across) = (parts(length(longest)), parts(height));
+        for i in 0..across as u32 {
+            let [from, to] = [a, b].map(|end| end.lerp(c, (i as f32 + 0.5) / across));
+            for j in 0..along as u32 {
+                *seen_in.entry(at(from.lerp(to, (j as f32 + 0.5) / along), reach)).or_default() |= 1 << kind;
+            }
+        }
+    }
+    let has_opposite = |t: u32| {
+        let centre = at(middles[t as usize], reach);
+        let opposed = directions.opposed[kinds[t as usize] as usize];
+        (-1..=1).any(|x| {
+            (-1..=1).any(|y| {
+                (-1..=1).any(|z| seen_in.get(&(centre + IVec3::new(x, y, z))).is_some_and(|seen| seen & opposed != 0))
+            })
+        })
+    };
     let mut seen = FxHashSet::default();
     let is_first = |&t: &u32| {
-        let at = (middle(surface, t) / cell).floor().as_ivec3();
         let n = surface.normal(t as usize);
-        seen.insert((at, [n.x > 0.0, n.y > 0.0, n.z > 0.0]))
+        seen.insert((at(middles[t as usize], cell), [n.x > 0.0, n.y > 0.0, n.z > 0.0]))
     };
-    (0..surface.triangle_count() as u32).filter(is_first).collect()
+    let spread: Vec<u32> = (0..surface.triangle_count() as u32).filter(is_first).collect();
+    spread.into_iter().filter(|&t| has_opposite(t)).collect()
+}
+
+/// The 26 directions of a cube's faces, edges and corners.
+struct Directions {
+    units: Vec<Vec3>,
+    /// Those that oppose each, for normals that are nearest to either.
+    opposed: Vec<u32>,
+}
+
+impl Directions {
+    /// The cosine of two of the directions that may stand for normals that oppose each other.
+    const MAY_OPPOSE: f32 = -0.1;
+
+    fn new() -> Self {
+        let steps = [-1.0, 0.0, 1.0];
+        let all =
+            steps.into_iter().flat_map(|x| steps.into_iter().flat_map(move |y| steps.map(|z| Vec3::new(x, y, z))));
+        let units: Vec<Vec3> = all.filter(|d| *d != Vec3::ZERO).map(unit).collect();
+        let opposed = |d: &Vec3| {
+            let opposes = units.iter().map(|e| u32::from(e.dot(*d) < Self::MAY_OPPOSE));
+            (0..).zip(opposes).map(|(k, opposes)| opposes << k).sum()
+        };
+        Self { opposed: units.iter().map(opposed).collect(), units }
+    }
+
+    fn nearest(&self, normal: Vec3) -> u32 {
+        let of = |k: &u32| self.units[*k as usize].dot(normal);
+        (0..self.units.len() as u32).max_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(0)
+    }
 }
 
 fn middle(surface: &Surface, triangle: u32) -> Vec3 {

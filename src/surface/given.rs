@@ -1,26 +1,24 @@
-//! The input behind a surface: the f64 coordinates of its vertices, and the triangle that each of its triangles is a part of.
+//! The input behind a surface: the f64 coordinates of its vertices.
 
 use super::split::Split;
 use super::{Frame, Soup, Surface};
 use glam::{DVec3, Vec3};
 
 /// A vertex nearer than this to a corner of the input, in diagonals, is that corner: some roundings of f32.
-const SAME: f64 = 1e-6;
+pub(super) const SAME: f64 = 1e-6;
 
 /// What a surface has of its input.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Given {
     /// The vertices, in model units.
     pub points: Vec<[f64; 3]>,
-    /// The triangle of the soup that each triangle is a part of.
-    pub triangles: Vec<u32>,
 }
 
 impl Given {
     /// That of welded triangles, of which `sources` gives the triangles of the soup.
-    pub fn new(soup: &Soup, sources: Vec<u32>, triangles: &[[u32; 3]], points: &[Vec3], frame: &Frame) -> Self {
+    pub fn new(soup: &Soup, sources: &[u32], triangles: &[[u32; 3]], points: &[Vec3], frame: &Frame) -> Self {
         let mut found = vec![(f64::INFINITY, [0.0; 3]); points.len()];
-        for (corners, &source) in triangles.iter().zip(&sources) {
+        for (corners, &source) in triangles.iter().zip(sources) {
             // Orientation may have exchanged corners, and welding may have moved them: the nearest one is meant.
             for &given in &soup.triangles[source as usize] {
                 let given = soup.points[given as usize];
@@ -38,17 +36,21 @@ impl Given {
             true => given,
             false => frame.to_model(point.as_dvec3().into()),
         };
-        Self { points: points.iter().zip(found).map(model).collect(), triangles: sources }
+        Self { points: points.iter().zip(found).map(model).collect() }
     }
 
     /// That of the parts of a surface's triangles.
     pub fn split(surface: &Surface, split: &Split) -> Self {
         let mut points = surface.given.points.clone();
         points.extend(split.cuts.iter().map(|&(h, share)| surface.model_point_on(h, share)));
-        Self {
-            points,
-            triangles: split.sources.iter().map(|&source| surface.given.triangles[source as usize]).collect(),
-        }
+        Self { points }
+    }
+
+    /// The weighted mean of vertices, in model units; exact where the vertices have the same coordinate.
+    pub fn mean<const N: usize>(&self, vertices: &[u32; N], weights: &[f64; N]) -> [f64; 3] {
+        let first = DVec3::from(self.points[vertices[0] as usize]);
+        let offset = |(&v, &weight): (&u32, &f64)| (DVec3::from(self.points[v as usize]) - first) * weight;
+        (first + vertices.iter().zip(weights).map(offset).sum::<DVec3>()).into()
     }
 
     /// Replaces the coordinates of the points that moved from `before`, in unit-sized coordinates.
@@ -65,11 +67,6 @@ impl Surface {
     /// A vertex in model units; one of the input has its coordinates, but where the surface was smoothed.
     pub fn model_point(&self, vertex: u32) -> [f64; 3] {
         self.given.points[vertex as usize]
-    }
-
-    /// The triangle of the input that a triangle is a part of.
-    pub fn source(&self, triangle: u32) -> u32 {
-        self.given.triangles[triangle as usize]
     }
 
     /// The point at a share of the way along a half-edge, in model units. Its coordinates are those of the ends where these have
@@ -107,15 +104,6 @@ mod tests {
             assert!((z - 0.3 - 0.4 * (x - 1e3 - 0.1)).abs() < 1e-12, "{x} {z}");
             let [x0, y0, _] = divided.frame().to_model(divided.point(v));
             assert!((x - x0).abs() < 1e-6 && (y - y0).abs() < 1e-6);
-        }
-        for t in 0..divided.triangle_count() as u32 {
-            let corners = soup.triangles[divided.source(t) as usize].map(|v| DVec3::from(soup.points[v as usize]));
-            let middle = divided.triangles[t as usize].map(|v| DVec3::from(divided.model_point(v)));
-            let middle = middle.iter().sum::<DVec3>() / 3.0;
-            let area = |a: DVec3, b: DVec3, c: DVec3| (b - a).cross(c - a).length();
-            let [a, b, c] = corners;
-            let parts = area(middle, a, b) + area(middle, b, c) + area(middle, c, a);
-            assert!((parts - area(a, b, c)).abs() < 1e-6, "triangle {t} lies in its source");
         }
     }
 }

@@ -7,6 +7,7 @@
 
 mod adjacency;
 mod apexes;
+pub(crate) mod attributes;
 mod boxes;
 mod bridges;
 mod caps;
@@ -22,6 +23,7 @@ mod edge_file;
 mod edges;
 pub mod examples;
 mod features;
+mod fine;
 pub(crate) mod girth;
 mod given;
 mod holes;
@@ -38,26 +40,32 @@ mod regions;
 mod repairs;
 mod ridges;
 pub(crate) mod sampling;
+mod seams;
 mod sew;
 mod split;
 mod turning;
 mod walk;
 mod weld;
 
+pub use attributes::{Attribute, AttributeKind, Attributes};
 pub use contacts::{Contacts, NearRims};
 pub use curve::Curve;
 pub(crate) use curve::shared_curves;
 pub use denoise::Denoised;
 pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
 pub use features::{DroppedEdge, FeatureOptions, Features, Reason};
+pub(crate) use fine::Projected;
 pub use regions::Regions;
 pub use repairs::{Length, LengthError, Places, RepairOptions, Repairs};
 pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
 
 use crate::geometry::{cross, dot, unit};
+use crate::sets::Sets;
 use adjacency::Adjacency;
+use fine::Fine;
 use given::Given;
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 use thiserror::Error;
 use weld::Welded;
 
@@ -73,12 +81,14 @@ pub struct Soup {
     pub triangles: Vec<[u32; 3]>,
     /// Which named part each triangle belongs to.
     pub regions: Regions,
+    /// Colours, texture coordinates and other numbers of points or corners.
+    pub attributes: Attributes,
 }
 
 impl Soup {
     /// Triangles of one region: points in model units, and three indices into them a triangle, counted from 0.
     pub fn new(points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
-        Self { points, triangles, regions: Regions::default() }
+        Self { points, triangles, ..Self::default() }
     }
 
     /// The area of the triangles whose corners are there, in model units squared.
@@ -89,6 +99,22 @@ impl Soup {
         corners.map(|corners| area(&corners)).sum()
     }
 }
+
+impl Soup {
+    /// The step of f32 at the largest coordinate, in model units, where all coordinates are f32 and need it; `None` where they are
+    /// finer, or multiples of larger steps, as whole numbers are.
+    pub fn f32_step(&self) -> Option<f64> {
+        let used = || self.triangles.iter().flatten().flat_map(|&v| self.points[v as usize]);
+        let step = f64::from(weld::single_step(used())?);
+        let largest = used().map(f64::abs).fold(0.0, f64::max);
+        let large: Vec<f64> = used().filter(|x| x.abs() > largest / 2.0).collect();
+        let odd = large.iter().filter(|&x| (x / step).rem_euclid(2.0) == 1.0).count();
+        (odd > large.len() / ODD).then_some(step)
+    }
+}
+
+/// Of coordinates that are rounded to a step, half are odd multiples; one in so many is enough.
+const ODD: usize = 8;
 
 /// The map between model units and the unit-sized coordinates that the mesher computes in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -238,6 +264,8 @@ pub struct Surface {
     dropped: Vec<DroppedEdge>,
     denoised: Option<Denoised>,
     given: Given,
+    /// The surface before it was coarsened; `None` where it was not.
+    fine: Option<Arc<Fine>>,
     undivided: Undivided,
     frame: Frame,
     repairs: Repairs,
@@ -265,23 +293,29 @@ impl Surface {
     ) -> Result<Self, SurfaceError> {
         let Welded { frame, points, mut triangles, sources, mut repairs } = mend::mended(soup, repairs, side)?;
         let mut points: Vec<Vec3> = points.iter().map(|&p| on_grid(p)).collect();
-        let Adjacency { mut twins, seams, same_place } =
+        let Adjacency { mut twins, seams: mut named, same_place } =
             adjacency::orient(&mut points, &mut triangles, &frame, &mut repairs)?;
+        if options.texture_seams {
+            named.extend(seams::seams(soup, &sources, &triangles, &twins, &points, &frame));
+            named.sort_unstable();
+            named.dedup();
+        }
         let regions = soup.regions.of(&sources);
-        let given = Given::new(soup, sources, &triangles, &points, &frame);
-        caps::flip(&points, &mut triangles, &mut twins, &seams, &frame, &mut repairs);
+        let given = Given::new(soup, &sources, &triangles, &points, &frame);
+        caps::flip(&points, &mut triangles, &mut twins, &named, &frame, &mut repairs);
         let features = Features::default();
         let mut surface = Self {
             points,
             triangles,
             twins,
-            named: seams,
+            named,
             same_place,
             regions,
             features,
             dropped: Vec::new(),
             denoised: None,
             given,
+            fine: None,
             undivided: Undivided::default(),
             frame,
             repairs,
@@ -320,8 +354,13 @@ impl Surface {
 
     /// The same surface with the features for tiles of side `h`, unit-sized: noise is smoothed, creases that do not persist are
     /// dropped, turns that a curve takes back within a tile are no corners, and ridges become edges.
-    pub fn fitted(mut self, options: &FeatureOptions, h: f32) -> Self {
-        self.drop_creases(options, f64::from(h));
+    pub fn fitted(self, options: &FeatureOptions, h: f32) -> Self {
+        self.fitted_to(options, h, None)
+    }
+
+    /// As [`Surface::fitted`], with creases that persist for tiles of `sides`, unit-sized, at the vertices, where these are given.
+    pub(crate) fn fitted_to(mut self, options: &FeatureOptions, h: f32, sides: Option<&[f64]>) -> Self {
+        self.drop_creases(options, f64::from(h), sides);
         let before = self.points.clone();
         for _ in 0..denoise::MOST_ROUNDS {
             if options.every_crease || !denoise::is_noisy(&self, &self.dropped, f64::from(h)) {
@@ -330,7 +369,7 @@ impl Surface {
             self.points = denoise::smoothed(&self, f64::from(h));
             self.denoised = Some(Denoised::of(&before, &self));
             self.features = Features::find(&self, options);
-            self.drop_creases(options, f64::from(h));
+            self.drop_creases(options, f64::from(h), sides);
         }
         self.given.follow(&before, &self.points, &self.frame);
         self.features.apexes = apexes::apexes(&self, f64::from(h));
@@ -347,12 +386,12 @@ impl Surface {
     }
 
     /// Drops the creases that do not persist for tiles of a side, unit-sized, and bridges gaps between the others.
-    fn drop_creases(&mut self, options: &FeatureOptions, side: f64) {
+    fn drop_creases(&mut self, options: &FeatureOptions, side: f64, sides: Option<&[f64]>) {
         self.dropped.clear();
         let mut marked = self.features.marked();
         for is_last in [false, true] {
             self.features = Features::along(self, marked, options.corner, side);
-            let persistent = persistence::persistent(self, options, side);
+            let persistent = persistence::persistent(self, options, side, sides);
             let known = self.dropped.iter().map(|edge| edge.crease + 1).max().unwrap_or(0);
             let dropped = persistent.dropped.into_iter();
             self.dropped.extend(dropped.map(|edge| DroppedEdge { crease: known + edge.crease, ..edge }));
@@ -442,6 +481,20 @@ impl Surface {
     /// The area, in unit-sized coordinates.
     pub fn area(&self) -> f64 {
         (0..self.triangles.len()).map(|t| f64::from(self.double_area(t)) / 2.0).sum()
+    }
+
+    /// For each vertex the area of the connected part that it belongs to, in unit-sized coordinates.
+    pub(crate) fn areas_of_parts(&self) -> Vec<f64> {
+        let mut parts = Sets::new(self.points.len());
+        for &[a, b, c] in &self.triangles {
+            parts.join(a, b);
+            parts.join(b, c);
+        }
+        let mut areas = vec![0.0; self.points.len()];
+        for (t, corners) in self.triangles.iter().enumerate() {
+            areas[parts.root(corners[0]) as usize] += f64::from(self.double_area(t)) / 2.0;
+        }
+        (0..self.points.len() as u32).map(|v| areas[parts.root(v) as usize]).collect()
     }
 
     /// The length of all open boundaries, in unit-sized coordinates.

@@ -97,21 +97,24 @@ struct Slice {
 }
 
 impl Triangles {
-    /// Sorts them into trees.
+    /// Sorts the triangles of a surface into trees.
     pub fn new(surface: &Surface) -> Self {
-        let corners = |t: u32| surface.corners(t as usize).map(|p| p.as_dvec3());
-        let low = surface.points.iter().map(|p| p.as_dvec3()).fold(DVec3::INFINITY, DVec3::min);
-        let high = surface.points.iter().map(|p| p.as_dvec3()).fold(DVec3::NEG_INFINITY, DVec3::max);
+        Self::of(surface.triangle_count() as u32, |t| surface.corners(t as usize).map(|p| p.as_dvec3()))
+    }
+
+    /// Sorts so many finite triangles into trees.
+    pub fn of(count: u32, corners: impl Fn(u32) -> [DVec3; 3] + Sync) -> Self {
+        let all = || (0..count).flat_map(&corners);
+        let (low, high) = (all().fold(DVec3::INFINITY, DVec3::min), all().fold(DVec3::NEG_INFINITY, DVec3::max));
         let axis = (high - low).max_position();
-        let mut along: Vec<(f64, u32)> = (0..surface.triangle_count() as u32)
-            .map(|t| (corners(t).map(|corner| corner[axis]).into_iter().sum(), t))
-            .collect();
+        let mut along: Vec<(f64, u32)> =
+            (0..count).map(|t| (corners(t).map(|corner| corner[axis]).into_iter().sum(), t)).collect();
         along.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let slice = |slice: &[(f64, u32)]| {
             let ids: Vec<u32> = slice.iter().map(|&(_, t)| t).collect();
             Slice { tree: Simplices::new(ids.iter().map(|&t| corners(t))), ids }
         };
-        Self(along.par_chunks(along.len().div_ceil(TREES)).map(slice).collect())
+        Self(along.par_chunks(along.len().div_ceil(TREES).max(1)).map(slice).collect())
     }
 
     /// The triangle nearest to a point, and its distance.
@@ -153,6 +156,29 @@ pub(crate) fn squared_distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     to_side(a, b).min(to_side(b, c)).min(to_side(c, a))
 }
 
+/// The barycentric coordinates of the point of a triangle that is nearest to `p`.
+pub(crate) fn nearest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
+    let normal = (b - a).cross(c - a);
+    let area = normal.length_squared();
+    let [second, third] = [(c, a), (a, b)].map(|(s, e)| (e - s).cross(p - s).dot(normal) / area);
+    let first = 1.0 - second - third;
+    // Of a triangle without area they are no numbers.
+    if [first, second, third].iter().all(|&weight| weight >= 0.0) {
+        return [first, second, third];
+    }
+    let corners = [a, b, c];
+    let on_side = |k: usize| {
+        let (start, end) = (corners[k], corners[(k + 1) % 3]);
+        let way = end - start;
+        let share = ((p - start).dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let mut weights = [0.0; 3];
+        (weights[k], weights[(k + 1) % 3]) = (1.0 - share, share);
+        ((start + way * share).distance_squared(p), weights)
+    };
+    let sides = (0..3).map(on_side).min_by(|a, b| a.0.total_cmp(&b.0));
+    sides.map_or([1.0, 0.0, 0.0], |(_, weights)| weights)
+}
+
 /// The point of a segment, perhaps of no length, that is nearest to `p`.
 pub(crate) fn nearest_on_segment(p: DVec3, start: DVec3, end: DVec3) -> DVec3 {
     let way = end - start;
@@ -165,6 +191,26 @@ mod tests {
     use super::*;
     use crate::surface::FeatureOptions;
     use crate::surface::examples::Example;
+
+    #[test]
+    fn barycentric_coordinates_give_the_nearest_point() {
+        let corners = [DVec3::ZERO, DVec3::new(2.0, 0.0, 1.0), DVec3::new(0.0, 3.0, 0.5)];
+        let at = |weights: [f64; 3], corners: [DVec3; 3]| (0..3).map(|k| corners[k] * weights[k]).sum::<DVec3>();
+        for weights in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.3, 0.5]] {
+            let found = nearest_weights(at(weights, corners), corners);
+            assert!((0..3).all(|k| (found[k] - weights[k]).abs() < 1e-12), "{found:?}");
+        }
+        let line = [DVec3::ZERO, DVec3::X, DVec3::X * 3.0];
+        for triangle in [corners, line, [DVec3::ONE; 3]] {
+            for k in 0..100 {
+                let p = DVec3::new((f64::from(k) * 0.7).sin(), (f64::from(k) * 1.3).cos(), f64::from(k) / 50.0) * 3.0;
+                let weights = nearest_weights(p, triangle);
+                let distance = at(weights, triangle).distance_squared(p);
+                assert!(weights.iter().all(|weight| (0.0..=1.0).contains(weight)), "{weights:?}");
+                assert!((distance - squared_distance(p, triangle)).abs() < 1e-12, "{p} {weights:?}");
+            }
+        }
+    }
 
     #[test]
     fn the_tree_finds_what_a_search_of_all_finds() {

@@ -49,9 +49,14 @@ pub(super) struct Persistent {
     pub dropped: Vec<DroppedEdge>,
 }
 
-/// The features of a surface that persist for tiles of a side, unit-sized.
-pub(super) fn persistent(surface: &Surface, options: &FeatureOptions, side: f64) -> Persistent {
-    let mut pieces = Pieces::new(surface, options, side);
+/// The features of a surface that persist for tiles of a side, unit-sized; or for tiles of `sides` at the vertices, where these are
+/// given.
+pub(super) fn persistent(surface: &Surface, options: &FeatureOptions, side: f64, sides: Option<&[f64]>) -> Persistent {
+    let side_along = |h: u32| {
+        let ends = [surface.origin(h), surface.target(h)];
+        sides.map_or(side, |sides| ends.map(|v| sides[v as usize]).iter().sum::<f64>() / 2.0)
+    };
+    let mut pieces = Pieces::new(surface, options, side_along);
     let mut creases: Vec<(Reason, Vec<(u32, f32)>)> = Vec::new();
     while let Some(Reverse((_, id))) = pieces.queue.pop() {
         if let Some(reason) = pieces.reason_to_drop(id) {
@@ -81,18 +86,24 @@ fn weight(turn: f64) -> f64 {
 }
 
 /// The half-edges of a crease, each with the turn in degrees at its first measured point, and the persistence of the crease.
-fn measured(surface: &Surface, half_edges: &[u32], side: f64, reach: f32) -> (Vec<(u32, f32)>, f64) {
-    let spacing = SPACING * side;
-    // The rest of the distance to the next measured point, and the turn at the last one.
+fn measured(
+    surface: &Surface,
+    half_edges: &[u32],
+    side_along: impl Fn(u32) -> f64,
+    most_reach: f64,
+) -> (Vec<(u32, f32)>, f64) {
+    // The rest of the distance to the next measured point, in tile sides, and the turn at the last one.
     let (mut rest, mut last, mut sum) = (0.0, 0.0, 0.0);
     let edges = half_edges.iter().map(|&h| {
-        let length = surface.length(h);
+        let side = side_along(h);
+        let reach = (REACH * side).min(most_reach) as f32;
+        let length = surface.length(h) / side;
         let (mut at, mut first) = (0.0, None);
         while at < length {
             if rest <= 0.0 {
-                let middle = at + (length - at).min(spacing) / 2.0;
+                let middle = at + (length - at).min(SPACING) / 2.0;
                 last = turn(surface, h, (middle / length) as f32, reach).to_degrees();
-                rest = spacing;
+                rest = SPACING;
             }
             let step = rest.min(length - at);
             sum += weight(last) * step;
@@ -101,7 +112,7 @@ fn measured(surface: &Surface, half_edges: &[u32], side: f64, reach: f32) -> (Ve
         }
         (h, first.unwrap_or(last) as f32)
     });
-    (edges.collect(), sum / side)
+    (edges.collect(), sum)
 }
 
 /// A curve, or several in a row.
@@ -128,17 +139,17 @@ struct Pieces<'a> {
 }
 
 impl<'a> Pieces<'a> {
-    fn new(surface: &'a Surface, options: &FeatureOptions, side: f64) -> Self {
+    fn new(surface: &'a Surface, options: &FeatureOptions, side_along: impl Fn(u32) -> f64 + Sync) -> Self {
         let cos_corner = options.corner.to_radians().cos();
-        let reach = (REACH * side).min(MOST_REACH * surface.area().sqrt()) as f32;
+        let most_reach = MOST_REACH * surface.area().sqrt();
         let mut pieces =
             Self { surface, cos_corner, list: Vec::new(), at: FxHashMap::default(), queue: BinaryHeap::new() };
         let piece = |curve: &Curve| {
             let is_kept = |&h: &u32| surface.twin(h).is_none() || surface.is_named(h);
             let may_go = !curve.half_edges.iter().any(is_kept);
-            let length = curve.length() / side;
+            let length = curve.half_edges.iter().map(|&h| surface.length(h) / side_along(h)).sum();
             let (edges, persistence) = match may_go && !options.every_crease {
-                true => measured(surface, &curve.half_edges, side, reach),
+                true => measured(surface, &curve.half_edges, &side_along, most_reach),
                 false => (curve.half_edges.iter().map(|&h| (h, 180.0)).collect(), MOST_WEIGHT * length),
             };
             let ends = (!curve.closed).then(|| [curve.vertices[0], curve.vertices[curve.vertices.len() - 1]]);

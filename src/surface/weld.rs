@@ -124,11 +124,15 @@ fn frame_of(soup: &Soup, used: &[bool]) -> Result<Frame, SurfaceError> {
 
 /// The distance, in diagonals, over which coordinates of single precision differ by rounding; 0 for others.
 fn rounding(soup: &Soup, used: &[bool], frame: &Frame) -> f64 {
-    let mut coordinates = soup.points.iter().zip(used).filter(|&(_, &used)| used).flat_map(|(point, _)| *point);
-    let largest =
-        coordinates.try_fold(0.0f32, |most, x| (f64::from(x as f32) == x).then_some(most.max((x as f32).abs())));
-    let step = largest.map_or(0.0, |largest| largest.next_up() - largest);
+    let coordinates = soup.points.iter().zip(used).filter(|&(_, &used)| used).flat_map(|(point, _)| *point);
+    let step = single_step(coordinates).unwrap_or(0.0);
     (f64::from(STEPS * step) / frame.diagonal).min(MOST_ROUNDING)
+}
+
+/// The step of single precision at the largest of some coordinates; `None` where one is finer.
+pub(super) fn single_step(mut coordinates: impl Iterator<Item = f64>) -> Option<f32> {
+    let larger = |most: f32, x: f64| (f64::from(x as f32) == x).then_some(most.max((x as f32).abs()));
+    coordinates.try_fold(0.0, larger).map(|largest| largest.next_up() - largest)
 }
 
 /// The index of each used point among the joined points, and these, in unit-sized coordinates. Joined points are farther

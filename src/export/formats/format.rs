@@ -1,5 +1,6 @@
 //! The formats of meshes.
 
+use crate::surface::AttributeKind;
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
@@ -76,6 +77,15 @@ impl Format {
     /// The names, for messages.
     pub fn list() -> String {
         NAMES.map(|(_, name)| name).join(", ")
+    }
+
+    /// Whether attributes of a kind are written.
+    pub fn takes(self, kind: AttributeKind) -> bool {
+        match self {
+            Self::Ply | Self::Vtk | Self::Vtu => true,
+            Self::Obj | Self::Glb => kind != AttributeKind::Numbers,
+            _ => false,
+        }
     }
 
     /// Whether faces of more than four corners are written, as they are or split.

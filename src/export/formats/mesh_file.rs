@@ -1,9 +1,9 @@
 //! What the file of a mesh holds.
 
 use crate::mesh::quality::{quad_shape, scaled_jacobian, triangle_shape};
+use crate::mesh::transfer::{Source, SourceTree};
 use crate::mesh::{Mesh, VertexAttributes};
-use crate::surface::{Regions, Soup};
-use glam::DVec3;
+use crate::surface::{Attribute, AttributeKind, Regions, Soup};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -13,8 +13,10 @@ use std::ops::Range;
 pub struct MeshFile {
     mesh: Mesh,
     vertices: Vec<VertexAttributes>,
-    /// The barycentric coordinates of each vertex in its triangle of the input.
-    barycentric: Vec<[f64; 3]>,
+    /// Where each vertex lies on the input; empty where that is not to be written.
+    sources: Vec<Source>,
+    /// Attributes of the input: first a tuple a vertex, then those of corners that differ from their vertex.
+    attributes: Vec<Attribute>,
 }
 
 /// The faces of a region.
@@ -48,22 +50,63 @@ pub(super) enum Values<'a> {
 
 /// A named array, so many numbers a vertex or a face.
 pub(super) struct Array<'a> {
-    pub name: &'static str,
+    pub name: Cow<'a, str>,
     pub components: usize,
     pub values: Values<'a>,
 }
 
 impl MeshFile {
-    /// A finished mesh, what is known of its vertices, and the triangles that the surface was made of.
-    ///
-    /// # Panics
-    /// Where a vertex names a triangle that the soup does not have.
-    pub fn new(mesh: &Mesh, vertices: &[VertexAttributes], soup: &Soup) -> Self {
-        let corners = |triangle: u32| soup.triangles[triangle as usize].map(|v| DVec3::from(soup.points[v as usize]));
-        let weights =
-            |(vertex, &point): (&VertexAttributes, &[f64; 3])| barycentric(corners(vertex.triangle), point.into());
-        let barycentric = vertices.par_iter().zip(&mesh.points).map(weights).collect();
-        Self { mesh: ordered(mesh), vertices: vertices.to_vec(), barycentric }
+    /// A finished mesh, and what is known of its vertices.
+    pub fn new(mesh: &Mesh, vertices: &[VertexAttributes]) -> Self {
+        Self { vertices: vertices.to_vec(), ..Self::from(mesh) }
+    }
+
+    /// The same with the attributes of the triangles that the surface was made of, and, if that is asked for, with the place of each
+    /// vertex on these.
+    pub fn with_input(mut self, soup: &Soup, with_source: bool) -> Self {
+        if with_source || !soup.attributes.list.is_empty() {
+            let tree = SourceTree::new(soup);
+            self.sources = tree.sources(&self.mesh.points);
+            self.attributes = tree.attributes(&self.mesh, &self.sources);
+        }
+        if !with_source {
+            self.sources = Vec::new();
+        }
+        self
+    }
+
+    /// The first attribute of a kind.
+    pub(super) fn attribute(&self, kind: AttributeKind) -> Option<&Attribute> {
+        self.attributes.iter().find(|attribute| attribute.kind == kind)
+    }
+
+    /// The same with a vertex for each tuple of texture coordinates, for formats that have these at vertices alone.
+    pub(super) fn split_at_seams(&self) -> Cow<'_, Self> {
+        let Some(texture) = self.attribute(AttributeKind::Texture).filter(|texture| !texture.of_corners.is_empty())
+        else {
+            return Cow::Borrowed(self);
+        };
+        let mut origins: Vec<u32> = (0..self.mesh.points.len() as u32).collect();
+        origins.resize(texture.values.len() / texture.components, 0);
+        for (&number, &vertex) in texture.of_corners.iter().zip(self.mesh.faces().flatten()) {
+            origins[number as usize] = vertex;
+        }
+        let mut mesh = Mesh::new(origins.iter().map(|&v| self.mesh.points[v as usize]).collect());
+        let mut start = 0;
+        for face in self.mesh.faces() {
+            mesh.push_face(&texture.of_corners[start..start + face.len()]);
+            start += face.len();
+        }
+        mesh.regions = self.mesh.regions.clone();
+        let split = |attribute: &Attribute| {
+            let values = match attribute.of_corners.is_empty() {
+                true => origins.iter().flat_map(|&v| attribute.tuple(v)).copied().collect(),
+                false => attribute.values.clone(),
+            };
+            Attribute { values, of_corners: Vec::new(), ..attribute.clone() }
+        };
+        let attributes = self.attributes.iter().map(split).collect();
+        Cow::Owned(Self { mesh, attributes, ..Self::default() })
     }
 
     /// The mesh, in the order of the file.
@@ -101,26 +144,53 @@ impl MeshFile {
         groups
     }
 
-    /// Arrays of vertices: `kind` (0 free, 1 on a boundary, 2 on a feature curve, 3 a corner), `source_triangle` (of the input,
-    /// counted from 0), `source_barycentric` (the coordinates in it), `field` (a direction of the cross). None where nothing is
-    /// known.
+    /// Arrays of vertices: `kind` (0 free, 1 on a boundary, 2 on a feature curve, 3 a corner) and `field` (a direction of the
+    /// cross) where these are known, and those of [`MeshFile::given_arrays`].
     pub(super) fn vertex_arrays(&self) -> Vec<Array<'_>> {
-        if self.vertices.is_empty() {
-            return Vec::new();
+        let mut arrays = Vec::new();
+        if !self.vertices.is_empty() {
+            let kinds = self.vertices.iter().map(|vertex| vertex.kind as i32).collect();
+            let field = self.vertices.iter().flat_map(|vertex| vertex.direction).collect();
+            arrays.extend([
+                Array { name: "kind".into(), components: 1, values: Values::Integers(kinds) },
+                Array { name: "field".into(), components: 3, values: Values::Floats(Cow::Owned(field)) },
+            ]);
         }
-        let integers =
-            |value: fn(&VertexAttributes) -> i32| Values::Integers(self.vertices.iter().map(value).collect());
-        let field = self.vertices.iter().flat_map(|vertex| vertex.direction).collect();
-        vec![
-            Array { name: "kind", components: 1, values: integers(|vertex| vertex.kind as i32) },
-            Array { name: "source_triangle", components: 1, values: integers(|vertex| vertex.triangle as i32) },
-            Array {
-                name: "source_barycentric",
-                components: 3,
-                values: Values::Floats(self.barycentric.as_flattened().into()),
-            },
-            Array { name: "field", components: 3, values: Values::Floats(Cow::Owned(field)) },
-        ]
+        for array in self.given_arrays() {
+            if arrays.iter().all(|known| known.name != array.name) {
+                arrays.push(array);
+            }
+        }
+        arrays
+    }
+
+    /// Arrays of vertices from the input: `source_triangle` (counted from 0) and `source_barycentric` (the coordinates in it)
+    /// where these are asked for, and attributes; colours are bytes.
+    pub(super) fn given_arrays(&self) -> Vec<Array<'_>> {
+        let mut arrays = Vec::new();
+        if !self.sources.is_empty() {
+            let triangles = self.sources.iter().map(|source| source.triangle as i32).collect();
+            let barycentric = self.sources.iter().flat_map(|source| source.barycentric).collect();
+            arrays.extend([
+                Array { name: "source_triangle".into(), components: 1, values: Values::Integers(triangles) },
+                Array {
+                    name: "source_barycentric".into(),
+                    components: 3,
+                    values: Values::Floats(Cow::Owned(barycentric)),
+                },
+            ]);
+        }
+        for Attribute { name, kind, components, values, .. } in &self.attributes {
+            let of_vertices = &values[..components * self.mesh.points.len()];
+            let values = match kind {
+                AttributeKind::Colour => {
+                    Values::Bytes(of_vertices.iter().map(|&x| (255.0 * x).round() as u8).collect())
+                }
+                AttributeKind::Texture | AttributeKind::Numbers => Values::Floats(of_vertices.into()),
+            };
+            arrays.push(Array { name: name.into(), components: *components, values });
+        }
+        arrays
     }
 
     /// Arrays of faces: `region` (an index into the names of regions), `shape` (Qg of a quad, Tg of a triangle) and
@@ -132,9 +202,9 @@ impl MeshFile {
         let measures = (0..count).into_par_iter().with_min_len(1024).map(|face| self.measures(face));
         let (shape, jacobian): (Vec<f64>, Vec<f64>) = measures.unzip();
         vec![
-            Array { name: "region", components: 1, values: Values::Integers(region) },
-            Array { name: "shape", components: 1, values: Values::Floats(shape.into()) },
-            Array { name: "scaled_jacobian", components: 1, values: Values::Floats(jacobian.into()) },
+            Array { name: "region".into(), components: 1, values: Values::Integers(region) },
+            Array { name: "shape".into(), components: 1, values: Values::Floats(shape.into()) },
+            Array { name: "scaled_jacobian".into(), components: 1, values: Values::Floats(jacobian.into()) },
         ]
     }
 
@@ -190,18 +260,6 @@ pub fn ordered(mesh: &Mesh) -> Mesh {
     sorted
 }
 
-/// The barycentric coordinates of the point of a triangle's plane that is nearest to a point; of a triangle without area, those
-/// of its first corner.
-fn barycentric([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
-    let normal = (b - a).cross(c - a);
-    let area = normal.length_squared();
-    if area == 0.0 {
-        return [1.0, 0.0, 0.0];
-    }
-    let [second, third] = [(c, a), (a, b)].map(|(p, q)| (q - p).cross(point - p).dot(normal) / area);
-    [1.0 - second - third, second, third]
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::sample::{sample, with_pentagon};
@@ -230,16 +288,5 @@ mod tests {
         }
         let firsts: Vec<u32> = ordered(&mesh).faces().map(|face| face[0]).collect();
         assert_eq!(firsts, [1, 3, 5, 0, 2, 4]);
-    }
-
-    #[test]
-    fn barycentric_coordinates_give_the_point() {
-        let corners = [DVec3::ZERO, DVec3::new(2.0, 0.0, 1.0), DVec3::new(0.0, 3.0, 0.5)];
-        for weights in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.3, 0.5], [1.5, -0.25, -0.25]] {
-            let point = (0..3).map(|k| corners[k] * weights[k]).sum::<DVec3>();
-            let found = barycentric(corners, point);
-            assert!((0..3).all(|k| (found[k] - weights[k]).abs() < 1e-12), "{found:?}");
-        }
-        assert_eq!(barycentric([DVec3::ONE; 3], DVec3::ZERO), [1.0, 0.0, 0.0]);
     }
 }

@@ -48,8 +48,8 @@ pub(super) fn write_bytes<const N: usize>(
     writer.write_all(&bytes)
 }
 
-/// Appends coordinates, each after a separator, in the shortest decimals that read back as the same f64.
-pub(super) fn push_point(text: &mut String, separator: &str, point: &[f64; 3]) {
+/// Appends numbers, each after a separator, in the shortest decimals that read back as the same f64.
+pub(super) fn push_point(text: &mut String, separator: &str, point: &[f64]) {
     for x in point {
         push(text, format_args!("{separator}{x:?}"));
     }

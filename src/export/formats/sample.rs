@@ -2,7 +2,7 @@
 
 use super::{Format, MeshFile, write_mesh_to};
 use crate::mesh::{Mesh, VertexAttributes, VertexKind};
-use crate::surface::{Regions, Soup};
+use crate::surface::{Attribute, AttributeKind, Regions, Soup};
 
 /// The points of the sample.
 pub(super) const POINTS: [[f64; 3]; 6] =
@@ -22,9 +22,34 @@ fn mesh() -> Mesh {
 pub(super) fn sample() -> MeshFile {
     let kinds = [VertexKind::Corner, VertexKind::Free, VertexKind::Feature];
     let vertices: Vec<VertexAttributes> =
-        (0..6).map(|v| VertexAttributes { kind: kinds[v % 3], triangle: 0, direction: [1.0, 0.0, 0.0] }).collect();
-    let soup = Soup { points: POINTS.to_vec(), triangles: vec![[0, 1, 2]], ..Soup::default() };
-    MeshFile::new(&mesh(), &vertices, &soup)
+        (0..6).map(|v| VertexAttributes { kind: kinds[v % 3], direction: [1.0, 0.0, 0.0] }).collect();
+    MeshFile::new(&mesh(), &vertices).with_input(&soup(), true)
+}
+
+/// The triangles that the mesh was made of: colours are red and blue, texture coordinates jump between the triangle of the second
+/// region and the others.
+fn soup() -> Soup {
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [1, 4, 2], [4, 5, 2]];
+    let mut soup = Soup { points: POINTS.to_vec(), triangles, ..Soup::default() };
+    let colours = (0..6).flat_map(|v| if v < 4 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] }).collect();
+    let heat = (0..6).map(|v| f64::from(v) / 2.0).collect();
+    let corners = soup.triangles.as_flattened().iter().zip(0..);
+    let textures = corners.flat_map(|(&v, corner)| {
+        let [x, y, _] = POINTS[v as usize];
+        [x / 4.0 + if corner < 9 { 0.0 } else { 0.5 }, y]
+    });
+    let texture = Attribute::of_vertices("", AttributeKind::Texture, 2, textures.collect());
+    soup.attributes.list = vec![
+        Attribute::of_vertices("", AttributeKind::Colour, 3, colours),
+        Attribute { of_corners: (0..12).collect(), ..texture },
+        Attribute::of_vertices("wall heat", AttributeKind::Numbers, 1, heat),
+    ];
+    soup
+}
+
+/// The mesh with its regions alone.
+pub(super) fn plain() -> MeshFile {
+    MeshFile::from(&mesh())
 }
 
 /// The mesh without regions, with a face of five corners.

@@ -49,7 +49,7 @@ fn write_arrays(writer: &mut dyn Write, section: &str, count: usize, arrays: &[A
     }
     write!(writer, "\n{section} {count}\nFIELD FieldData {}", arrays.len())?;
     for Array { name, components, values } in arrays {
-        write!(writer, "\n{name} {components} {count} ")?;
+        write!(writer, "\n{} {components} {count} ", encoded(name))?;
         match values {
             Values::Bytes(bytes) => {
                 writeln!(writer, "unsigned_char")?;
@@ -94,8 +94,10 @@ mod tests {
             "\nCELLS 3 13\n",
             "\nCELL_TYPES 3\n",
             "\nCELL_DATA 3\nFIELD FieldData 3\nregion 1 3 int\n",
-            "\nPOINT_DATA 6\nFIELD FieldData 4\nkind 1 6 int\n",
+            "\nPOINT_DATA 6\nFIELD FieldData 7\nkind 1 6 int\n",
             "\nsource_barycentric 3 6 double\n",
+            "\nRGB 3 6 unsigned_char\n",
+            "\nwall%20heat 1 6 double\n",
         ] {
             from += text[from..].find(line).unwrap_or_else(|| panic!("{line} in {text}"));
         }

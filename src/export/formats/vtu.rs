@@ -13,7 +13,11 @@ use std::io::{self, Write};
 
 pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     let mesh = file.mesh();
-    let integers = |name, values: Vec<i32>| Array { name, components: 1, values: Values::Integers(values) };
+    let integers = |name: &'static str, values: Vec<i32>| Array {
+        name: name.into(),
+        components: 1,
+        values: Values::Integers(values),
+    };
     let connectivity = mesh.faces().flatten().map(|&v| v as i32).collect();
     let ends = mesh.faces().scan(0, |end, face| {
         *end += face.len() as i32;
@@ -22,13 +26,13 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     let points = Values::Floats(Cow::Borrowed(mesh.points.as_flattened()));
     let types = Values::Bytes(mesh.faces().map(|face| cell_type(face.len())).collect());
     let sections = [
-        ("Points", vec![Array { name: "points", components: 3, values: points }]),
+        ("Points", vec![Array { name: "points".into(), components: 3, values: points }]),
         (
             "Cells",
             vec![
                 integers("connectivity", connectivity),
                 integers("offsets", ends.collect()),
-                Array { name: "types", components: 1, values: types },
+                Array { name: "types".into(), components: 1, values: types },
             ],
         ),
         ("CellData", file.face_arrays()),
@@ -58,6 +62,7 @@ pub(super) fn write(writer: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
         writeln!(writer, "<{section}>")?;
         for Array { name, components, values } in arrays {
             let (kind, bytes) = kind(values);
+            let name = escaped(name);
             writeln!(
                 writer,
                 "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>"
@@ -137,12 +142,15 @@ mod tests {
             ("shape", 8 * 3),
             ("scaled_jacobian", 8 * 3),
             ("kind", 4 * 6),
+            ("field", 6 * 24),
             ("source_triangle", 4 * 6),
             ("source_barycentric", 6 * 24),
-            ("field", 6 * 24),
+            ("RGB", 3 * 6),
+            ("TCoords", 6 * 16),
+            ("wall heat", 6 * 8),
         ];
         assert_eq!(arrays.iter().map(|&(name, at)| (name, size(at))).collect::<Vec<_>>(), expected);
         let last = arrays[arrays.len() - 1].1;
-        assert_eq!(bytes[data + last + 8 + 6 * 24..], *b"\n</AppendedData>\n</VTKFile>\n");
+        assert_eq!(bytes[data + last + 8 + 6 * 8..], *b"\n</AppendedData>\n</VTKFile>\n");
     }
 }

@@ -37,6 +37,21 @@ impl Type {
         }
     }
 
+    /// The number that means the full intensity of a colour: 1 where it is real.
+    pub fn full(self) -> f64 {
+        match self {
+            Self::I8 => i8::MAX.into(),
+            Self::U8 => u8::MAX.into(),
+            Self::I16 => i16::MAX.into(),
+            Self::U16 => u16::MAX.into(),
+            Self::I32 => i32::MAX.into(),
+            Self::U32 => u32::MAX.into(),
+            Self::I64 => i64::MAX as f64,
+            Self::U64 => u64::MAX as f64,
+            Self::F32 | Self::F64 => 1.0,
+        }
+    }
+
     pub fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }

@@ -1,9 +1,10 @@
-//! PLY, ASCII and binary of both byte orders: the coordinates of vertices, the corners and regions of faces, and strips of
-//! triangles. Other properties and elements are skipped.
+//! PLY, ASCII and binary of both byte orders: the coordinates, colours, texture coordinates and other real numbers of vertices, the
+//! corners, regions and texture coordinates of faces, and strips of triangles. Other properties and elements are skipped.
 
 use super::cursor::{Cursor, Encoding, Nowhere, Stop, Type, vertex};
 use super::text::{parsed, shown, words};
 use super::{Fault, LoadError, Polygons, Regions};
+use crate::surface::attributes::{Attribute, AttributeKind, Attributes};
 use crate::surface::regions::{Numbers, attribute_rank};
 use rustc_hash::FxHashMap;
 
@@ -21,15 +22,17 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
         return Err(LoadError::NoFaces { file: file.to_owned(), vertices });
     }
     let regions = Numbers { names: header.region_names(bytes), ..Numbers::default() };
-    let mut rows = Rows { regions, ..Rows::default() };
+    let mut rows = Rows { regions, numbers: vec![Vec::new(); header.numbers()], ..Rows::default() };
     let mut points = Vec::new();
     let mut nowhere = Nowhere::default();
     header.read(file, &mut rows, |row, start, [x, y, z, _]| {
         nowhere.note(row, [x, y, z], || start);
         points.push([x, y, z]);
     })?;
+    rows.polygons.points = points;
+    let attributes = header.attributes(&mut rows);
     let mut polygons = rows.polygons;
-    polygons.points = points;
+    polygons.attributes = attributes;
     if let Some(name) = header.region() {
         polygons.regions = Regions::from_numbers(&rows.regions, name, polygons.ends.len());
     }
@@ -58,6 +61,13 @@ const VERTEX: &str = "vertex";
 const FACE: &str = "face";
 /// One row holds strips, apart by -1: every vertex after the second makes a triangle with the two before it.
 const STRIPS: &str = "tristrips";
+
+/// The names that programs give to colours and texture coordinates of vertices.
+const COLOURS: [[&str; 3]; 3] =
+    [["red", "green", "blue"], ["r", "g", "b"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
+const TEXTURES: [[&str; 2]; 3] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
+/// Normals, which a mesh has of its own.
+const NORMALS: [&str; 3] = ["nx", "ny", "nz"];
 
 /// What the header says, and where the data begins.
 struct Header<'a> {
@@ -92,6 +102,10 @@ enum Role {
     Strips,
     /// The number of a face's region.
     Region,
+    /// A number of a vertex, by its place among these.
+    Number(usize),
+    /// The texture coordinates of a face's corners, two each.
+    CornerTexture,
     Ignored,
 }
 
@@ -100,6 +114,10 @@ enum Role {
 struct Rows {
     polygons: Polygons,
     regions: Numbers,
+    /// Of each property with [`Role::Number`], the numbers of all vertices.
+    numbers: Vec<Vec<f64>>,
+    /// The texture coordinates of corners.
+    textures: Vec<f64>,
 }
 
 impl<'a> Header<'a> {
@@ -160,6 +178,7 @@ impl<'a> Header<'a> {
             return Err(lacks("the list vertex_indices of the element tristrips"));
         }
         header.choose_region();
+        header.choose_numbers();
         Ok(header)
     }
 
@@ -175,6 +194,75 @@ impl<'a> Header<'a> {
         if let Some((_, property)) = ranked.min_by_key(|(rank, _)| *rank) {
             property.role = Role::Region;
         }
+    }
+
+    /// Of the other properties of vertices, colours and real numbers are read.
+    fn choose_numbers(&mut self) {
+        let Some(vertex) = self.elements.iter_mut().find(|element| element.name == VERTEX) else { return };
+        let other = vertex.properties.iter_mut().filter(|p| p.role == Role::Ignored && p.length.is_none());
+        let read = other.filter(|p| {
+            let is_real = !p.value.is_integer() && !NORMALS.contains(&&*p.name);
+            is_real || COLOURS.iter().flatten().any(|name| *name == p.name)
+        });
+        read.enumerate().for_each(|(number, property)| property.role = Role::Number(number));
+    }
+
+    /// How many properties of vertices are read as numbers.
+    fn numbers(&self) -> usize {
+        let properties = self.find(VERTEX).into_iter().flat_map(|vertex| &vertex.properties);
+        properties.filter(|property| matches!(property.role, Role::Number(_))).count()
+    }
+
+    /// The attributes that rows hold, and the names of those that were skipped.
+    fn attributes(&self, rows: &mut Rows) -> Attributes {
+        let mut attributes = Attributes::default();
+        let properties = self.find(VERTEX).map_or(&[][..], |vertex| &vertex.properties);
+        let find = |name: &str| properties.iter().find(|p| p.name == name && matches!(p.role, Role::Number(_)));
+        let all = |names: &[&str]| names.iter().map(|name| find(name)).collect::<Option<Vec<_>>>();
+        let mut used: Vec<&str> = Vec::new();
+        let groups = [
+            (AttributeKind::Colour, COLOURS.iter().find_map(|names| all(names))),
+            (AttributeKind::Texture, TEXTURES.iter().find_map(|names| all(names))),
+        ];
+        for (kind, group) in groups {
+            let Some(group) = group else { continue };
+            used.extend(group.iter().map(|property| &*property.name));
+            let columns: Vec<(&Vec<f64>, f64)> = group
+                .iter()
+                .filter_map(|property| match property.role {
+                    Role::Number(number) => Some((&rows.numbers[number], property.value.full())),
+                    _ => None,
+                })
+                .collect();
+            let count = rows.polygons.points.len();
+            let values = (0..count).flat_map(|v| columns.iter().map(move |(column, most)| column[v] / most)).collect();
+            attributes.list.push(Attribute::of_vertices("", kind, group.len(), values));
+        }
+        for property in properties.iter().filter(|property| !used.contains(&&*property.name)) {
+            match property.role {
+                Role::Number(number) if !property.value.is_integer() => {
+                    let values = std::mem::take(&mut rows.numbers[number]);
+                    attributes.list.push(Attribute::of_vertices(&property.name, AttributeKind::Numbers, 1, values));
+                }
+                Role::Number(_) | Role::Ignored if !NORMALS.contains(&&*property.name) => {
+                    attributes.leave_out(property.name.clone());
+                }
+                _ => {}
+            }
+        }
+        let of_faces = self.find(FACE).into_iter().flat_map(|face| &face.properties);
+        for property in of_faces.filter(|property| property.role == Role::Ignored) {
+            attributes.leave_out(format!("{} of faces", property.name));
+        }
+        let corners = rows.polygons.corners.len();
+        if !rows.textures.is_empty() && rows.textures.len() == 2 * corners {
+            let texture = Attribute::of_vertices("", AttributeKind::Texture, 2, std::mem::take(&mut rows.textures));
+            attributes.list.retain(|attribute| attribute.kind != AttributeKind::Texture);
+            attributes.list.push(Attribute { of_corners: (0..corners as u32).collect(), ..texture });
+        } else if !rows.textures.is_empty() {
+            attributes.leave_out("texture coordinates, which some faces lack".to_owned());
+        }
+        attributes
     }
 
     /// The names of regions, which comments tell: `comment region 3 wing`.
@@ -266,6 +354,7 @@ impl Role {
             (VERTEX, b"z", false) => Self::Axis(2),
             (VERTEX, b"size", false) => Self::Size,
             (FACE, b"vertex_indices" | b"vertex_index", true) => Self::Corners,
+            (FACE, b"texcoord", true) => Self::CornerTexture,
             (STRIPS, b"vertex_indices" | b"vertex_index", true) => Self::Strips,
             _ => Self::Ignored,
         }
@@ -284,7 +373,12 @@ impl Element {
                     Role::Axis(axis) => values[axis] = number,
                     Role::Size => values[3] = number,
                     Role::Region => rows.regions.marks.push((faces, number as i64)),
-                    Role::Corners | Role::Strips | Role::Ignored => {}
+                    Role::Number(place) => {
+                        if let Some(numbers) = rows.numbers.get_mut(place) {
+                            numbers.push(number);
+                        }
+                    }
+                    Role::Corners | Role::Strips | Role::CornerTexture | Role::Ignored => {}
                 }
                 continue;
             };
@@ -299,6 +393,11 @@ impl Element {
                         rows.polygons.corners.push(vertex(cursor.value_in_line(value)?, vertices)?);
                     }
                     rows.polygons.end_face()?;
+                }
+                Role::CornerTexture => {
+                    for _ in 0..count {
+                        rows.textures.push(cursor.value_in_line(value)?);
+                    }
                 }
                 Role::Strips => read_strips(cursor, count, value, vertices, &mut rows.polygons)?,
                 _ if cursor.encoding == Encoding::Ascii => {

@@ -1,6 +1,6 @@
 //! What files hold: polygons on numbered vertices, before they are split into triangles.
 
-use super::super::{Regions, Soup, polygon};
+use super::super::{Attributes, Regions, Soup, polygon};
 use super::Fault;
 use glam::DVec3;
 
@@ -27,6 +27,8 @@ pub(crate) struct Polygons {
     pub ends: Vec<u32>,
     /// Which named part each face belongs to.
     pub regions: Regions,
+    /// Numbers of vertices or of `corners`.
+    pub attributes: Attributes,
 }
 
 impl Polygons {
@@ -76,25 +78,40 @@ impl Polygons {
     }
 
     /// The triangles, polygons split by ear clipping.
-    pub fn into_soup(self) -> Soup {
+    pub fn into_soup(mut self) -> Soup {
         if self.ends.iter().zip(1..).all(|(&end, face)| end == 3 * face) {
             let triangles = self.corners.as_chunks().0.to_vec();
-            return Soup { points: self.points, triangles, regions: self.regions };
+            return Soup { points: self.points, triangles, regions: self.regions, attributes: self.attributes };
         }
         let mut triangles = Vec::with_capacity(self.corners.len());
         // The face of each triangle.
         let mut sources = Vec::with_capacity(self.corners.len());
+        // The place of each triangle's corners in `corners`.
+        let mut places = Vec::new();
+        let has_places = self.attributes.list.iter().any(|attribute| !attribute.of_corners.is_empty());
+        let mut start = 0;
         for (face, number) in self.faces().zip(0..) {
             if let &[a, b, c] = face {
                 triangles.push([a, b, c]);
+                if has_places {
+                    places.push([start, start + 1, start + 2]);
+                }
             } else {
                 let corners: Vec<_> =
                     face.iter().map(|&index| DVec3::from_array(self.points[index as usize])).collect();
-                triangles.extend(polygon::triangulate(&corners).iter().map(|ear| ear.map(|place| face[place])));
+                let ears = polygon::triangulate(&corners);
+                triangles.extend(ears.iter().map(|ear| ear.map(|place| face[place])));
+                if has_places {
+                    places.extend(ears.iter().map(|ear| ear.map(|place| start + place)));
+                }
             }
+            start += face.len();
             sources.resize(triangles.len(), number);
         }
+        for attribute in self.attributes.list.iter_mut().filter(|attribute| !attribute.of_corners.is_empty()) {
+            attribute.of_corners = places.as_flattened().iter().map(|&place| attribute.of_corners[place]).collect();
+        }
         let regions = self.regions.of(&sources);
-        Soup { points: self.points, triangles, regions }
+        Soup { points: self.points, triangles, regions, attributes: self.attributes }
     }
 }

@@ -51,7 +51,7 @@ fn left(surface: &Surface, lines: &[Line], corner: f64, h: f64) -> Vec<usize> {
     surface.features = Features::along(&surface, marked, corner, 0.0);
     // The plate is flat, so the lengths must decide alone.
     let options = FeatureOptions { corner, every_crease: true, ..FeatureOptions::default() };
-    let kept = persistent(&surface, &options, h / surface.frame().diagonal).marked;
+    let kept = persistent(&surface, &options, h / surface.frame().diagonal, None).marked;
     assert!((0..).zip(&surface.twins).all(|(h, &twin)| twin != NONE || kept[h]), "a boundary goes");
     lines.iter().map(|line| along(&surface, line).iter().filter(|&&h| kept[h as usize]).count() / 2).collect()
 }

@@ -15,7 +15,7 @@ pub fn first(text: &[u8], vertices: usize) -> Option<(usize, Fault)> {
                 vertex(rest)
             }
             Statement::Face(rest) => face(rest, before, vertices),
-            Statement::Name(..) => Ok(()),
+            Statement::Name(..) | Statement::Texture(_) => Ok(()),
         };
         checked.err().map(|fault| (number, fault))
     })

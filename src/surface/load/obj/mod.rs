@@ -1,15 +1,19 @@
-//! Wavefront OBJ, through the crate `tobj`: positions, faces and names.
+//! Wavefront OBJ, through the crate `tobj`: positions, faces and names; also colours behind positions and texture coordinates.
+//! Normals are passed over.
 //!
 //! `tobj` reads numbers, weights and indices. It is given vertices and faces alone, one statement a line: it knows neither
 //! continued lines nor comments behind a statement, takes `l` for faces, and refuses texts for mistakes in colours, texture
 //! coordinates, normals and materials, which say nothing about the shape. Names are taken here, since `tobj` ends a mesh
-//! with its own vertices at each of them and loses the difference of `g`, `o` and `usemtl`.
+//! with its own vertices at each of them and loses the difference of `g`, `o` and `usemtl`; so are colours and texture
+//! coordinates, which may be wrong without the shape being so: then they are left out.
 
+mod attributes;
 mod fault;
 mod statements;
 
 use super::text::words;
 use super::{LoadError, Polygons, Regions};
+use attributes::Collected;
 use statements::{Kind, Statement, lines, vertices, weight};
 use std::io::{Read, Write};
 
@@ -46,6 +50,7 @@ struct Shape {
     faces: usize,
     /// Names of regions, each with the number of faces that came before it.
     marks: Vec<(usize, String)>,
+    collected: Collected,
 }
 
 /// The names that hold at a place of the text.
@@ -87,10 +92,14 @@ impl Shape {
         for (_, line) in lines(text) {
             match Statement::of(&line) {
                 Some(Statement::Vertex(rest)) => {
+                    let (place, colour) = split_colour(rest);
+                    shape.collected.push_colour(shape.vertices, colour);
                     shape.vertices += 1;
-                    shape.state(b'v', without_colour(rest));
+                    shape.state(b'v', place);
                 }
+                Some(Statement::Texture(rest)) => shape.collected.push_texture(rest),
                 Some(Statement::Face(rest)) => {
+                    shape.collected.push_face(rest);
                     shape.faces += 1;
                     shape.state(b'f', rest);
                 }
@@ -135,17 +144,18 @@ impl Shape {
             polygons.corners.extend(corners.by_ref().take(size));
             polygons.end_face().map_err(|fault| fault.to_string())?;
         }
+        polygons.attributes = self.collected.finish(self.vertices, polygons.corners.len());
         Ok(polygons)
     }
 }
 
-/// A vertex's coordinates and its weight; colours are cut off.
-fn without_colour(vertex: &[u8]) -> &[u8] {
+/// A vertex's coordinates and its weight, and its colour.
+fn split_colour(vertex: &[u8]) -> (&[u8], &[u8]) {
     match words(vertex).nth(2) {
         Some(last) if weight(vertex).is_none() => {
             let end = last.as_ptr_range().end.addr() - vertex.as_ptr().addr();
-            &vertex[..end]
+            vertex.split_at(end)
         }
-        _ => vertex,
+        _ => (vertex, b""),
     }
 }

@@ -1,4 +1,4 @@
-//! The statements of an OBJ text that a surface is read from: vertices, faces and names.
+//! The statements of an OBJ text that a surface is read from: vertices, texture coordinates, faces and names.
 
 use super::super::text::{content, words};
 use std::borrow::Cow;
@@ -7,6 +7,8 @@ use std::borrow::Cow;
 pub enum Statement<'a> {
     /// `v`: coordinates, then a weight or a colour.
     Vertex(&'a [u8]),
+    /// `vt`: texture coordinates.
+    Texture(&'a [u8]),
     /// `f`: corners.
     Face(&'a [u8]),
     /// `g`, `o` or `usemtl`: a name of the faces that follow.
@@ -31,6 +33,7 @@ impl<'a> Statement<'a> {
         let (keyword, rest) = line.split_at(end);
         match keyword {
             b"v" => Some(Self::Vertex(rest)),
+            b"vt" => Some(Self::Texture(rest)),
             b"f" => Some(Self::Face(rest)),
             b"g" => Some(Self::Name(Kind::Group, rest)),
             b"o" => Some(Self::Name(Kind::Object, rest)),

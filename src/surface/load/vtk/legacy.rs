@@ -3,7 +3,11 @@
 use super::super::cursor::{Cursor, Encoding, Nowhere, Stop, Type};
 use super::super::text::{parsed, shown};
 use super::super::{Fault, LoadError, Polygons};
-use super::{Cells, Faces, LINE, POLYGON, RegionArray, STRIP, VERTEX, named_region};
+use super::{
+    Cells, Faces, LINE, POLYGON, PointArray, RegionArray, STRIP, VERTEX, attribute_kind, attributes, is_normals,
+    named_region,
+};
+use crate::surface::attributes::AttributeKind;
 use rustc_hash::FxHashMap;
 
 const MAGIC: &[u8] = b"# vtk DataFile";
@@ -26,6 +30,8 @@ pub fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
         attributes: None,
         region: None,
         names: FxHashMap::default(),
+        arrays: Vec::new(),
+        left_out: Vec::new(),
     };
     reader.read().map_err(|stop| match stop {
         Stop::End => LoadError::EndsWithin { file: file.to_owned(), section: reader.section.clone() },
@@ -44,7 +50,9 @@ pub fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
         faces.add(file, part, std::iter::repeat(kind))?;
     }
     faces.add(file, &reader.cells, reader.kinds.into_iter())?;
-    let polygons = faces.finish(file, reader.region, reader.names)?;
+    let points = faces.polygons.points.len();
+    let mut polygons = faces.finish(file, reader.region, reader.names)?;
+    polygons.attributes = attributes(reader.arrays, reader.left_out, points);
     match reader.nowhere.error(&polygons, file, "point") {
         Some(error) => Err(error),
         None => Ok(polygons),
@@ -70,6 +78,10 @@ struct Reader<'a> {
     region: Option<RegionArray>,
     /// The names of regions by their numbers.
     names: FxHashMap<i64, String>,
+    /// Arrays of points.
+    arrays: Vec<PointArray>,
+    /// The names of other arrays of points and cells.
+    left_out: Vec<String>,
 }
 
 impl<'a> Reader<'a> {
@@ -127,20 +139,24 @@ impl<'a> Reader<'a> {
                 let name = self.name()?;
                 let components = self.count()?;
                 self.begin_data();
-                self.array(&name, Kind::Number(Type::U8), components, self.tuples())?;
+                // In text they are real, from 0 to 1.
+                let kind = if self.encoding == Encoding::Ascii { Type::F32 } else { Type::U8 };
+                let meaning = matches!(components, 3 | 4).then_some(AttributeKind::Colour);
+                self.array_of(&name, Kind::Number(kind), components, self.tuples(), meaning)?;
             }
             b"LOOKUP_TABLE" => {
-                let name = self.name()?;
+                self.name()?;
                 let size = self.count()?;
                 self.begin_data();
-                self.array(&name, Kind::Number(Type::U8), 4, size)?;
+                self.skip(size.checked_mul(4).ok_or(Stop::End)?, Type::U8)?;
             }
             b"TEXTURE_COORDINATES" => {
                 let name = self.name()?;
                 let components = self.count()?;
                 let kind = self.kind()?;
                 self.begin_data();
-                self.array(&name, kind, components, self.tuples())?;
+                let meaning = (components > 1).then_some(AttributeKind::Texture);
+                self.array_of(&name, kind, components, self.tuples(), meaning)?;
             }
             keyword @ (b"VECTORS" | b"NORMALS" | b"TENSORS" | b"TENSORS6" | b"GLOBAL_IDS" | b"PEDIGREE_IDS"
             | b"EDGE_FLAGS") => {
@@ -150,7 +166,10 @@ impl<'a> Reader<'a> {
                     b"TENSORS6" => 6,
                     _ => 1,
                 };
-                let name = self.name()?;
+                let mut name = self.name()?;
+                if keyword == b"NORMALS" {
+                    name = "normals".to_owned();
+                }
                 let kind = self.kind()?;
                 self.begin_data();
                 self.array(&name, kind, components, self.tuples())?;
@@ -274,6 +293,18 @@ impl<'a> Reader<'a> {
 
     /// Reads an array, or passes it over.
     fn array(&mut self, name: &str, kind: Kind, components: usize, tuples: usize) -> Result<(), Stop> {
+        self.array_of(name, kind, components, tuples, None)
+    }
+
+    /// As [`Reader::array`]; of points, it has this meaning, if one is given.
+    fn array_of(
+        &mut self,
+        name: &str,
+        kind: Kind,
+        components: usize,
+        tuples: usize,
+        meaning: Option<AttributeKind>,
+    ) -> Result<(), Stop> {
         self.record = ("array", 0, self.cursor.at);
         let count = components.checked_mul(tuples).ok_or(Stop::End)?;
         let kind = match kind {
@@ -295,7 +326,26 @@ impl<'a> Reader<'a> {
                 self.region = Some(RegionArray { rank, name: name.to_owned(), numbers });
                 Ok(())
             }
-            _ => self.skip(count, kind),
+            _ if of_cells || self.attributes.is_none() || is_normals(name) => {
+                if of_cells {
+                    self.left_out.push(format!("{name} of cells"));
+                }
+                self.skip(count, kind)
+            }
+            _ => match meaning.or_else(|| attribute_kind(name, kind, components)) {
+                Some(meaning) if components > 0 && tuples == self.points.len() => {
+                    let mut numbers = self.numbers(count, kind)?;
+                    if meaning == AttributeKind::Colour {
+                        numbers.iter_mut().for_each(|number| *number /= kind.full());
+                    }
+                    self.arrays.push(PointArray { name: name.to_owned(), kind: meaning, components, numbers });
+                    Ok(())
+                }
+                _ => {
+                    self.left_out.push(name.to_owned());
+                    self.skip(count, kind)
+                }
+            },
         }
     }
 

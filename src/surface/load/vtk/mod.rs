@@ -1,4 +1,4 @@
-//! VTK, legacy and XML (VTU, VTP): cells that are faces, with an integer array of cells as regions.
+//! VTK, legacy and XML (VTU, VTP): cells that are faces, with an integer array of cells as regions, and arrays of points.
 //!
 //! Triangles, quads, pixels, polygons and strips are faces; of those of higher order the corners are taken. Points, lines and
 //! volumes are passed over. Field data that is two integers, a number and 2, is the name of the region of that number, as `meshio`
@@ -15,6 +15,7 @@ pub(super) mod xml;
 
 use super::cursor::{Encoding, Type};
 use super::{Fault, LoadError, Place, Polygons, Regions};
+use crate::surface::attributes::{Attribute, AttributeKind, Attributes};
 use crate::surface::regions::{Numbers, attribute_rank};
 use rustc_hash::FxHashMap;
 
@@ -65,6 +66,56 @@ impl RegionArray {
     fn rank(name: &str, kind: Type, components: usize) -> Option<usize> {
         attribute_rank(name).filter(|_| kind.is_integer() && components == 1)
     }
+}
+
+/// What an array of points is, by its name, type and number of components; `None` for integers that are no colours.
+fn attribute_kind(name: &str, kind: Type, components: usize) -> Option<AttributeKind> {
+    /// Letters of the names of texture coordinates.
+    const TEXTURES: [&str; 5] = ["tcoords", "textcoords", "texturecoordinates", "uv", "st"];
+    let letters: String = name.chars().filter(char::is_ascii_alphabetic).map(|c| c.to_ascii_lowercase()).collect();
+    match (kind, components) {
+        (Type::U8, 3 | 4) => Some(AttributeKind::Colour),
+        (Type::F32 | Type::F64, 3) if ["rgb", "color", "colour"].contains(&&*letters) => Some(AttributeKind::Colour),
+        (Type::F32 | Type::F64, 2) if TEXTURES.contains(&&*letters) => Some(AttributeKind::Texture),
+        (Type::F32 | Type::F64, _) => Some(AttributeKind::Numbers),
+        _ => None,
+    }
+}
+
+/// An array of points, normals and integers excepted.
+struct PointArray {
+    name: String,
+    kind: AttributeKind,
+    components: usize,
+    numbers: Vec<f64>,
+}
+
+/// The attributes of so many points that arrays hold. An array may end early, where later pieces of a file lack it.
+fn attributes(arrays: Vec<PointArray>, left_out: Vec<String>, points: usize) -> Attributes {
+    let mut attributes = Attributes::default();
+    left_out.into_iter().for_each(|name| attributes.leave_out(name));
+    for PointArray { name, kind, components, mut numbers } in arrays {
+        numbers.resize(components * points, 0.0);
+        let kept = match kind {
+            AttributeKind::Colour => components.min(3),
+            AttributeKind::Texture => components.min(2),
+            AttributeKind::Numbers => components,
+        };
+        if kept < components {
+            numbers = numbers.chunks(components).flat_map(|tuple| &tuple[..kept]).copied().collect();
+        }
+        let again = attributes.list.iter().any(|other| other.kind == kind && kind != AttributeKind::Numbers);
+        if again {
+            attributes.leave_out(name);
+        } else {
+            attributes.list.push(Attribute::of_vertices(&name, kind, kept, numbers));
+        }
+    }
+    attributes
+}
+
+fn is_normals(name: &str) -> bool {
+    name.eq_ignore_ascii_case("normals")
 }
 
 /// The number of the region that an array of field data names, if it names one.

@@ -7,7 +7,11 @@ use super::super::cursor::{Cursor, Stop, Type, vertex};
 use super::super::text::{parsed, shown};
 use super::super::{Fault, LoadError, Place, Polygons};
 use super::payload::{self, Coding, Source};
-use super::{Cells, Faces, LINE, POLYGON, RegionArray, STRIP, VERTEX, named_region};
+use super::{
+    Cells, Faces, LINE, POLYGON, PointArray, RegionArray, STRIP, VERTEX, attribute_kind, attributes, is_normals,
+    named_region,
+};
+use crate::surface::attributes::AttributeKind;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 use rustc_hash::FxHashMap;
@@ -35,6 +39,7 @@ pub fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
     let mut faces = Faces::default();
     let mut region: Option<RegionArray> = None;
     let mut names = FxHashMap::default();
+    let (mut point_arrays, mut left_out): (Vec<PointArray>, Vec<String>) = Default::default();
     for array in document.arrays.iter().filter(|array| array.section == "FieldData" && array.is_integer()) {
         if let Some(region) = named_region(&document.numbers(array).map_err(|fault| at(array, fault))?) {
             names.insert(region, array.name.clone());
@@ -49,6 +54,28 @@ pub fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
         let first = faces.polygons.points.len();
         faces.polygons.points.extend(coordinates.as_chunks::<3>().0);
         let points = faces.polygons.points.len() - first;
+        for array in arrays().filter(|array| array.section == "PointData" && !is_normals(&array.name)) {
+            let (kind, components) = (array.kind.unwrap_or(Type::I8), array.components);
+            let Some(meaning) = attribute_kind(&array.name, kind, components).filter(|_| components > 0) else {
+                left_out.push(array.name.clone());
+                continue;
+            };
+            let mut read = numbers(array)?;
+            if meaning == AttributeKind::Colour {
+                read.iter_mut().for_each(|number| *number /= kind.full());
+            }
+            read.resize(components * points, 0.0);
+            let known =
+                point_arrays.iter().position(|other| other.name == array.name && other.components == components);
+            let known = known.unwrap_or_else(|| {
+                let name = array.name.clone();
+                point_arrays.push(PointArray { name, kind: meaning, components, numbers: Vec::new() });
+                point_arrays.len() - 1
+            });
+            // Points of a piece without the array before this one.
+            point_arrays[known].numbers.resize(components * first, 0.0);
+            point_arrays[known].numbers.append(&mut read);
+        }
         let sections = [("Verts", VERTEX), ("Lines", LINE), ("Polys", POLYGON), ("Strips", STRIP), ("Cells", 0)];
         let before = faces.cells;
         for (section, kind) in sections {
@@ -73,9 +100,11 @@ pub fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
             }
             faces.add(file, &cells, kinds.iter().map(|&kind| kind as u8))?;
         }
-        let ranked =
-            arrays().filter(|array| array.section == "CellData").filter_map(|array| Some((array.rank()?, array)));
-        if let Some((rank, array)) = ranked.min_by_key(|(rank, _)| *rank) {
+        let of_cells = || arrays().filter(|array| array.section == "CellData");
+        let chosen = of_cells().filter_map(|array| Some((array.rank()?, array))).min_by_key(|(rank, _)| *rank);
+        let is_chosen = |array: &Array| chosen.is_some_and(|(_, chosen)| chosen.name == array.name);
+        left_out.extend(of_cells().filter(|array| !is_chosen(array)).map(|array| format!("{} of cells", array.name)));
+        if let Some((rank, array)) = chosen {
             let mut read = numbers(array)?;
             read.resize(faces.cells - before, f64::NAN);
             let region =
@@ -85,7 +114,9 @@ pub fn parse(bytes: &[u8], file: &str) -> Result<Polygons, LoadError> {
             region.numbers.append(&mut read);
         }
     }
-    let polygons = faces.finish(file, region, names)?;
+    let points = faces.polygons.points.len();
+    let mut polygons = faces.finish(file, region, names)?;
+    polygons.attributes = attributes(point_arrays, left_out, points);
     if let Some(number) = polygons.nowhere() {
         let wrong = polygons.points[number].into_iter().find(|coordinate| !coordinate.is_finite()).unwrap_or_default();
         let (place, fault) = (Place::Item { kind: "point", number }, Fault::NotFinite { word: wrong.to_string() });
