@@ -17,7 +17,9 @@ use std::time::Duration;
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// The meshers that were made, by backend and adapter: a process makes each once.
-static MESHERS: Mutex<BTreeMap<(String, Option<String>), Arc<Mesher>>> = Mutex::new(BTreeMap::new());
+static MESHERS: Mutex<BTreeMap<Key, Arc<Mesher>>> = Mutex::new(BTreeMap::new());
+
+type Key = (String, Option<String>);
 
 /// The backend, the adapter and the number of threads.
 #[derive(FromPyObject)]
