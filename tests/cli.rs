@@ -155,7 +155,7 @@ fn the_same_bytes_again_and_with_any_number_of_threads() {
 fn a_mesh_that_is_wrong_is_a_warning_or_with_strict_no_mesh() {
     let desk = Desk::new();
     // Tiles as wide as its tube is thick cannot show a torus.
-    let coarse = ["mesh", "example:torus:1000", "--points", "4", "--around", "0", "-o", "out.obj", "--quiet"];
+    let coarse = ["mesh", "example:torus:1000", "--size", "2", "--around", "0", "-o", "out.obj", "--quiet"];
     let fine = ["mesh", "example:torus:1000", "--points", "100", "-o", "out.obj", "--quiet"];
     let files = ["--report", "out.json", "--picture", "out.png"];
     let run = |arguments: &[&str], more: &[&str]| {

@@ -8,9 +8,10 @@ use std::fs;
 use std::path::Path;
 
 /// The library's top-level modules; each imports only those before it.
-const LAYERS: [&str; 16] = [
+const LAYERS: [&str; 21] = [
     "geometry",
     "sets",
+    "progress",
     "surface",
     "sizes",
     "compute",
@@ -22,9 +23,13 @@ const LAYERS: [&str; 16] = [
     "mesh",
     "pipeline",
     "report",
+    "mesher",
+    "options",
     "export",
+    "warnings",
     "picture",
     "study",
+    "cli",
 ];
 
 type Module = Vec<String>;
