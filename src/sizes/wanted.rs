@@ -75,12 +75,14 @@ impl SizeOptions {
     /// # Errors
     /// Where samples give no positive size that an `f32` holds.
     pub fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
-        let flat = Self { curvature: None, around: 0.0, ..self.clone() };
+        // Thin parts raise the count later.
+        let bare = Self { around: 0.0, ..self.clone() };
+        let flat = Self { curvature: None, ..bare.clone() };
         let count = flat.on(surface, 1.0).count(surface)?;
-        if self.curvature.is_none() && self.around == 0.0 {
+        if self.curvature.is_none() {
             return Ok(count);
         }
-        self.on(surface, f64::from(Sizes::equal().side_for_count(surface, count as usize + 1))).count(surface)
+        bare.on(surface, f64::from(Sizes::equal().side_for_count(surface, count as usize + 1))).count(surface)
     }
 
     /// The samples' side at each vertex, in unit-sized coordinates; 1 where there are none.
