@@ -31,6 +31,7 @@ use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
 use crate::progress::{Cancelled, Progress};
 use crate::sizes::{SizeOptions, Sizes, SizesError};
 use crate::surface::{FeatureOptions, NamedEdge, RepairOptions, Soup, Surface, SurfaceError};
+use std::iter::zip;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -267,9 +268,11 @@ pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch)
         count = (1.5 * count as f64) as usize + 1;
         let more = Options { fineness: Fineness::Points(count), ..options.clone() };
         let next = attempt(soup, &more, backend, progress)?;
+        let times = zip(&best.times, &next.times).map(|(before, after)| (before.0, before.1 + after.1)).collect();
         if next.meshed.wrong() < best.meshed.wrong() {
             best = next;
         }
+        best.times = times;
     }
     Ok(best)
 }
@@ -331,7 +334,7 @@ fn meshed(
     let before = joined(&context, &mesh, triangulation);
 
     clock.begin(Stage::Connectivity)?;
-    let connectivity = connectivity(options, &before);
+    let connectivity = connectivity(options, &before, mosaic);
     let mut edits = connectivity.map(|connectivity| optimise(&context, &mut mesh, &connectivity));
 
     clock.begin(Stage::Relocate)?;
@@ -369,10 +372,10 @@ fn meshed(
 const THIN: usize = 100;
 
 /// The options of the connectivity optimisation, completed by the mesh before it and by the other options.
-fn connectivity(options: &Options, before: &Mesh) -> Option<ConnectivityOptions> {
+fn connectivity(options: &Options, before: &Mesh, mosaic: &Mosaic) -> Option<ConnectivityOptions> {
     let given = options.connectivity?;
     let excess = match options.fineness {
-        Fineness::Points(count) => before.points.len() as i64 - count as i64,
+        Fineness::Points(_) => before.points.len() as i64 - mosaic.wanted as i64,
         Fineness::Size(_) | Fineness::Sampled => 0,
     };
     let regularity = match options.rows {
@@ -427,7 +430,7 @@ fn prepare_watched(
     if surface.parts(mosaic::longest_edges(&surface, &Sizes::equal(), count, options.aspect)[0]) > MOST_PARTS * count {
         surface = surface.coarsened(f64::from(side), features);
     }
-    let mut wanted = options.sizes.on(&surface, f64::from(side));
+    let mut wanted = options.sizes.on(&surface, f64::from(side), thin_sides.is_some());
     let count = wanted.raised(&surface, count)?;
     let mut sizes = wanted.sizes(&surface, count)?;
     for _ in 0..SIZE_ROUNDS {

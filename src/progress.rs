@@ -32,6 +32,18 @@ pub enum Stage {
 }
 
 impl Stage {
+    /// All of them, in order.
+    pub const ALL: [Self; 8] = [
+        Self::Surface,
+        Self::Field,
+        Self::Mosaic,
+        Self::Connect,
+        Self::Fill,
+        Self::Connectivity,
+        Self::Relocate,
+        Self::Finish,
+    ];
+
     /// Its name in reports.
     pub fn name(self) -> &'static str {
         match self {

@@ -157,6 +157,8 @@ pub struct Singularity {
 pub struct Tiles {
     /// Tiles.
     pub tiles: usize,
+    /// The number of tiles that were wanted: more than were asked for where thin parts or a mesh without faults need them.
+    pub wanted: usize,
     /// Those of them that lie on features.
     pub on_features: usize,
     /// Holes (faces of more than four sides) of the connected mosaic before filling.
@@ -243,6 +245,7 @@ impl Report {
             field: FieldFigures::new(surface, &outcome.field),
             mosaic: Tiles {
                 tiles: outcome.mosaic.count(),
+                wanted: outcome.mosaic.wanted,
                 on_features: outcome.mosaic.feature_samples.len(),
                 holes: meshed.holes,
                 row_ends: outcome.mosaic.row_ends,

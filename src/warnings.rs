@@ -31,12 +31,15 @@ impl Report {
         let Asked::Points(asked) = self.asked else { return None };
         let found = self.mesh.vertices;
         (found.abs_diff(asked) as f64 > COUNT_TOLERANCE * asked as f64).then(|| {
-            let on_features = self.mosaic.on_features;
-            let advice = match found > asked && 2 * on_features > asked {
-                true => format!(
+            let (on_features, wanted) = (self.mosaic.on_features, self.mosaic.wanted);
+            let advice = if wanted > asked {
+                format!(", as thin parts, or a mesh without faults, need {wanted}; ask for as many, or for --around 0")
+            } else if found > asked && 2 * on_features > asked {
+                format!(
                     ", as {on_features} tiles lie on features; ask for another number, or for fewer features by --crease"
-                ),
-                false => "; ask for another number".to_owned(),
+                )
+            } else {
+                "; ask for another number".to_owned()
             };
             format!("{found} vertices instead of {asked}{advice}")
         })

@@ -56,17 +56,7 @@ fn cancelled(soup: &Soup, options: &Options, when: impl Fn(Stage, usize) -> bool
 #[test]
 fn a_run_ends_soon_after_it_is_cancelled_in_any_stage() {
     let soup = example("m6", 20_000);
-    let stages = [
-        Stage::Surface,
-        Stage::Field,
-        Stage::Mosaic,
-        Stage::Connect,
-        Stage::Fill,
-        Stage::Connectivity,
-        Stage::Relocate,
-        Stage::Finish,
-    ];
-    for stage in stages {
+    for stage in Stage::ALL {
         let (at, late) = cancelled(&soup, &options(6_000), |now, _| now == stage).expect("it is cancelled");
         assert_eq!(at, stage);
         // A tenth of a second is the aim; a machine that is busy may take longer.

@@ -159,6 +159,26 @@ mod tests {
     }
 
     #[test]
+    fn beside_an_edge_no_nearest_triangle_may_oppose_a_face() {
+        // The wall below the floor's edge leans outwards, or inwards under the floor.
+        let wall = |x: f64| {
+            let points =
+                [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [x, 0.0, -1.0], [x, 1.0, -1.0]];
+            surface(points.to_vec(), vec![[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])
+        };
+        for (foot, is_inverted) in [(1.3, false), (0.7, true)] {
+            let surface = wall(foot);
+            let mut orientation = Orientation::new(&surface);
+            let at = |x: f64, y: f64| DVec3::from(surface.frame().to_unit([x, y, 0.0]));
+            // Its middle lies beyond the edge, which is nearest.
+            let face = [at(0.9, 0.3), at(1.3, 0.3), at(1.3, 0.6), at(0.9, 0.6)];
+            assert!(!orientation.is_inverted(&face, [[0; 2]; 4].into_iter()), "its corners are on the floor");
+            orientation.let_nearest_decide();
+            assert_eq!(orientation.is_inverted(&face, [[0; 2]; 4].into_iter()), is_inverted, "the foot at {foot}");
+        }
+    }
+
+    #[test]
     fn a_face_whose_corners_all_lie_on_a_rim_is_judged_by_its_own_sheet_and_not_by_the_wall() {
         let surface = floor_and_wall();
         let orientation = Orientation::new(&surface);

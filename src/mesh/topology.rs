@@ -161,3 +161,32 @@ fn components(mesh: &Mesh) -> usize {
     }
     sets.count() - used.iter().filter(|used| !**used).count()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// So many squares at one edge, as the pages of a book at its spine, whose numbers are in this order.
+    fn book(pages: u32, numbers: [u32; 2]) -> Mesh {
+        let mut mesh = Mesh::new(vec![[0.0; 3]; 2 + 2 * pages as usize]);
+        for page in 0..pages {
+            let outer = 2 + 2 * page;
+            mesh.push_face(&[numbers[0], numbers[1], outer + 1, outer]);
+        }
+        mesh
+    }
+
+    #[test]
+    fn boundaries_that_branch_count_once_whatever_the_numbers_of_vertices() {
+        for pages in 3..8 {
+            for numbers in [[0, 1], [1, 0]] {
+                assert_eq!(Connectivity::of(&book(pages, numbers)).topology.boundary_loops, 1, "{pages} pages");
+            }
+        }
+        // Two that do not touch are two, and those of a strip of two squares are one.
+        let mut two = book(3, [0, 1]);
+        two.points.extend([[0.0; 3]; 4]);
+        two.push_face(&[8, 9, 10, 11]);
+        assert_eq!(Connectivity::of(&two).topology.boundary_loops, 2);
+    }
+}

@@ -49,6 +49,8 @@ pub struct Mosaic {
     pub sides: usize,
     /// The scale of the tiles' sizes.
     pub scale: f32,
+    /// The number of tiles that were wanted.
+    pub wanted: usize,
     pub(crate) curve_parameters: CurveParameters,
     /// See [`Mosaic::factor`]; empty where tiles are squares.
     pub(crate) factors: Vec<f32>,
@@ -88,7 +90,17 @@ impl Mosaic {
         let sides = tiles.len();
         tiles.extend(free);
         let factors = anisotropic::factors(surface, field, &tiles);
-        Self { feature_samples, tiles, sides, scale: h, curve_parameters, factors, metric: None, row_ends: None }
+        Self {
+            feature_samples,
+            tiles,
+            sides,
+            scale: h,
+            wanted: 0,
+            curve_parameters,
+            factors,
+            metric: None,
+            row_ends: None,
+        }
     }
 }
 

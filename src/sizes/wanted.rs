@@ -46,13 +46,14 @@ impl Default for SizeOptions {
 }
 
 impl SizeOptions {
-    /// The wanted sizes on a surface, for tiles of about this side in unit-sized coordinates.
-    pub(crate) fn on<'a>(&'a self, surface: &Surface, side: f64) -> Wanted<'a> {
+    /// The wanted sizes on a surface, for tiles of about this side in unit-sized coordinates. Thin parts are searched for where
+    /// `is_thin` says that the surface has some.
+    pub(crate) fn on<'a>(&'a self, surface: &Surface, side: f64, is_thin: bool) -> Wanted<'a> {
         Wanted {
             options: self,
             samples: self.spread(surface),
             turns: self.turns(surface, side),
-            girths: self.girths(surface, side),
+            girths: if is_thin { self.girths(surface, side) } else { None },
         }
     }
 
@@ -76,13 +77,12 @@ impl SizeOptions {
     /// Where samples give no positive size that an `f32` holds.
     pub fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
         // Thin parts raise the count later.
-        let bare = Self { around: 0.0, ..self.clone() };
-        let flat = Self { curvature: None, ..bare.clone() };
-        let count = flat.on(surface, 1.0).count(surface)?;
+        let flat = Self { curvature: None, ..self.clone() };
+        let count = flat.on(surface, 1.0, false).count(surface)?;
         if self.curvature.is_none() {
             return Ok(count);
         }
-        bare.on(surface, f64::from(Sizes::equal().side_for_count(surface, count as usize + 1))).count(surface)
+        self.on(surface, f64::from(Sizes::equal().side_for_count(surface, count as usize + 1)), false).count(surface)
     }
 
     /// The samples' side at each vertex, in unit-sized coordinates; 1 where there are none.

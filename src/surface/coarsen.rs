@@ -13,9 +13,11 @@
 
 use super::fine::Fine;
 use super::given::Given;
+use super::walk::{next_corner, previous_corner};
 use super::{DroppedEdge, FeatureOptions, Features, NONE, Surface, next, previous};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
+use std::iter::successors;
 use std::sync::Arc;
 
 /// The largest root mean square of the distances from planes and lines, in tile sides.
@@ -180,23 +182,13 @@ impl Coarsening {
 
     /// The half-edges that leave a vertex, counter-clockwise; on a boundary from the first.
     fn ring(&self, v: u32, ring: &mut Vec<u32>) {
-        ring.clear();
         let start = self.leaving[v as usize];
-        let mut first = start;
-        while let Some(twin) = self.surface.twin(first) {
-            first = next(twin);
-            if first == start {
-                break;
-            }
-        }
-        let mut h = first;
-        loop {
-            ring.push(h);
-            match self.surface.twin(previous(h)) {
-                Some(twin) if twin != first => h = twin,
-                _ => return,
-            }
-        }
+        let is_barrier = |_| false;
+        let before = |&h: &u32| previous_corner(&self.surface, is_barrier, h).filter(|&h| h != start);
+        let first = successors(Some(start), before).last().unwrap_or(start);
+        let after = |&h: &u32| next_corner(&self.surface, is_barrier, h).filter(|&h| h != first);
+        ring.clear();
+        ring.extend(successors(Some(first), after));
     }
 
     /// Collapses edges up to a length, the shortest first.

@@ -4,7 +4,7 @@
 //! A coarse surface is within a small part of a tile of the fine one, so the nearest triangle of the fine one, or the nearest
 //! segment of its features, is found among those whose bounding box, so much larger, holds the vertex.
 
-use super::nearest::nearest_on_segment;
+use super::nearest::{nearest_on_segment, nearest_weights};
 use super::{Surface, given::Given};
 use crate::geometry::{cross, unit};
 use glam::{DVec3, IVec3, Vec3};
@@ -100,7 +100,7 @@ impl Fine {
                 if vertex.is_on_feature || normal.dot(vertex.normal.as_vec3()) < ALIKE {
                     continue;
                 }
-                let weights = weights_of_nearest(vertex.point, places);
+                let weights = nearest_weights(vertex.point, places);
                 let nearest: DVec3 = places.iter().zip(weights).map(|(&p, w)| p * w).sum();
                 let distance = nearest.distance_squared(vertex.point);
                 if distance < best[v as usize].0 {
@@ -123,27 +123,6 @@ impl Fine {
         }
         best.into_iter().map(|(_, place)| place).collect()
     }
-}
-
-/// The barycentric coordinates of the nearest point of a triangle.
-fn weights_of_nearest(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
-    let normal = (b - a).cross(c - a);
-    let double_area = normal.length_squared();
-    let weight = |q: DVec3, r: DVec3| (q - p).cross(r - p).dot(normal) / double_area;
-    let inside = [weight(b, c), weight(c, a), weight(a, b)];
-    if double_area > 0.0 && inside.iter().all(|&weight| weight >= 0.0) {
-        return inside;
-    }
-    let on_side = |from: usize, to: usize| {
-        let corners = [a, b, c];
-        let nearest = nearest_on_segment(p, corners[from], corners[to]);
-        let share = nearest.distance(corners[from]) / corners[from].distance(corners[to]).max(f64::MIN_POSITIVE);
-        let mut weights = [0.0; 3];
-        (weights[from], weights[to]) = (1.0 - share, share);
-        (nearest.distance_squared(p), weights)
-    };
-    let sides = [on_side(0, 1), on_side(1, 2), on_side(2, 0)];
-    sides.into_iter().min_by(|x, y| x.0.total_cmp(&y.0)).map_or([1.0, 0.0, 0.0], |(_, weights)| weights)
 }
 
 impl Surface {
