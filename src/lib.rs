@@ -26,6 +26,7 @@
 //! | see the progress, cancel a run | [`Mesher::mesh_watched`] |
 //! | judge the mesh | [`pipeline::Meshed`], [`Report`], [`Report::warnings`](report::Report#method.warnings) |
 //! | write the mesh | [`export::write_mesh`] |
+//! | write a page to look at it and to draw on it | `page::Page` |
 //!
 //! The library prints nothing, and says by an error of its own type what is wrong, where, and what to do. Coordinates are in model
 //! units, as `f64`; vertices are `u32`.
@@ -36,7 +37,8 @@
 //! [`paper`] for where it comes from and what it changes.
 //!
 //! # Features
-//! All on by default: `gpu`, kernels on the GPU; `picture`, drawings; `study`, sweeps with charts; `cli`, the
+//! All on by default: `gpu`, kernels on the GPU; `picture`, drawings; `page`, pages to look
+//! and draw; `study`, sweeps with charts; `cli`, the
 //! program. Without them the library takes a surface to a mesh on the CPU.
 
 #![warn(missing_docs)]
@@ -57,6 +59,8 @@ pub mod mesh;
 mod mesher;
 pub mod mosaic;
 pub mod options;
+#[cfg(feature = "page")]
+pub mod page;
 #[doc = include_str!("../docs/paper.md")]
 pub mod paper {}
 pub mod parametrize;

@@ -51,7 +51,7 @@ library_alone() {
 }
 check "cargo build --no-default-features" library_alone
 if cargo clippy --version >/dev/null 2>&1; then
-    for feature in "" gpu picture study; do
+    for feature in "" gpu picture page study; do
         check "cargo clippy, features: ${feature:-none}" \
             cargo clippy --release --lib --no-default-features --features "$feature" -- -D warnings
     done

@@ -48,7 +48,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.expect_writable()?;
     let mesh = read_mesh(&arguments.mesh)?;
     let name = arguments.mesh.display().to_string();
-    let surface = arguments.against.as_ref().map(|input| arguments.surface(input, &mesh)).transpose()?;
+    let Arguments { features, repairs, .. } = arguments;
+    let surface = arguments.against.as_ref().map(|input| surface(input, &mesh, features, repairs)).transpose()?;
     let against = surface.as_ref().map(|(name, surface)| (name.as_str(), surface));
     let report = CheckReport::new(&name, &mesh, against);
     if let Some(output) = &arguments.report {
@@ -70,14 +71,23 @@ impl Arguments {
         }
         expect_writable(report, &taken)
     }
+}
 
-    fn surface(&self, input: &Input, mesh: &Mesh) -> anyhow::Result<(String, Surface)> {
-        let (soup, name, options) = (input.read(None)?, input.to_string(), self.features.options());
-        let edges = self.features.edges()?;
-        // A tile is as large as the mesh's faces.
-        let side = Quality::of(mesh).mean_edge;
-        let surface = Surface::repaired(&soup, &options, &self.repairs.options(), side)
-            .and_then(|surface| surface.with_edges(&soup, &edges, &options));
-        Ok((name.clone(), surface.context(name)?))
-    }
+/// The surface that a mesh approximates, and its name.
+///
+/// # Errors
+/// Where it cannot be read, or is none.
+pub fn surface(
+    input: &Input,
+    mesh: &Mesh,
+    features: &FeatureArguments,
+    repairs: &RepairArguments,
+) -> anyhow::Result<(String, Surface)> {
+    let (soup, name, options) = (input.read(None)?, input.to_string(), features.options());
+    let edges = features.edges()?;
+    // A tile is as large as the mesh's faces.
+    let side = Quality::of(mesh).mean_edge;
+    let surface = Surface::repaired(&soup, &options, &repairs.options(), side)
+        .and_then(|surface| surface.with_edges(&soup, &edges, &options));
+    Ok((name.clone(), surface.context(name)?))
 }

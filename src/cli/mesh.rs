@@ -4,13 +4,13 @@ use super::backend::Machine;
 use super::input::Source;
 use super::mesh_output::MeshOutput;
 use super::method::MethodArguments;
-use super::output::{Output, expect_writable, picture_path, print_beside, warn, write_json};
-use super::picture;
-use super::summary;
+use super::output::{Output, expect_writable, page_path, picture_path, print_beside, warn, write_json};
+use super::{page, picture, summary};
 use anyhow::Context;
 use clap::{Args, CommandFactory, error::ErrorKind};
 use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::export::MeshFile;
+use quadmosaic::page::write_page;
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
 use quadmosaic::pipeline::Stage;
 use quadmosaic::surface::AttributeKind;
@@ -48,6 +48,10 @@ pub struct Arguments {
     /// Draw the mesh, as `quadmosaic picture` does
     #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
     picture: Option<PathBuf>,
+    /// Write a page for a browser: the mesh, the surface, the field and the tiles to look at, and strokes and sizes to draw, which are
+    /// saved as files for --guides and --size-field
+    #[arg(long, value_name = "PAGE.html", value_parser = page_path)]
+    html: Option<PathBuf>,
     /// Write the printed figures, and more, as JSON; -: to standard output
     #[arg(long, value_name = "FILE.json")]
     report: Option<Output>,
@@ -95,6 +99,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(path) = &arguments.picture {
         write_picture(path, &mesh_scene(&outcome.meshed.mesh, Paint::Sides), &View::default(), picture::SIZE)?;
     }
+    if let Some(path) = &arguments.html {
+        write_page(path, &page::of_run(&soup, &options, &outcome, &report)?)?;
+    }
     if let Some(path) = &arguments.report {
         write_json(path, &report)?;
     }
@@ -130,7 +137,8 @@ impl Arguments {
         }
         let mut taken: Vec<&Path> = self.source.path().into_iter().collect();
         let report = self.report.as_ref().and_then(Output::path);
-        for path in self.output.path().into_iter().chain(self.picture.as_deref()).chain(report) {
+        let drawn = [&self.picture, &self.html].into_iter().filter_map(Option::as_deref);
+        for path in self.output.path().into_iter().chain(drawn).chain(report) {
             expect_writable(path, &taken)?;
             taken.push(path);
         }

@@ -16,10 +16,12 @@ mod mesh_output;
 mod method;
 mod mosaic;
 mod output;
+mod page;
 mod picture;
 mod repairs;
 mod study;
 mod summary;
+mod view;
 
 use clap::{Parser, Subcommand};
 use mesh::Unsound;
@@ -50,6 +52,7 @@ enum Command {
     Study(Box<study::Arguments>),
     Example(example::Arguments),
     Check(check::Arguments),
+    View(view::Arguments),
     /// Lists the GPU adapters of this machine, the best first
     Devices,
 }
@@ -89,6 +92,7 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Study(arguments) => study::run(&arguments),
         Command::Example(arguments) => example::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::View(arguments) => view::run(&arguments),
         Command::Devices => devices::run(),
     }
 }

@@ -60,6 +60,11 @@ pub fn picture_path(text: &str) -> Result<PathBuf, String> {
     ends_in(text, &["png", "svg"], "it does not end in .png or .svg, the formats of pictures")
 }
 
+/// A path that ends in `.html`.
+pub fn page_path(text: &str) -> Result<PathBuf, String> {
+    ends_in(text, &["html", "htm"], "it does not end in .html, the format of pages")
+}
+
 fn ends_in(text: &str, endings: &[&str], refusal: &str) -> Result<PathBuf, String> {
     let path = file_path(text)?;
     let known = path.extension().is_some_and(|ending| endings.iter().any(|known| ending.eq_ignore_ascii_case(known)));

@@ -11,10 +11,15 @@ use quadmosaic::warnings::counted;
 
 /// The figures of a run.
 pub fn of_run(report: &Report) -> String {
+    lines(&figures_of_run(report))
+}
+
+/// The figures of a run, each with its name.
+pub fn figures_of_run(report: &Report) -> Vec<(&'static str, String)> {
     let Report { surface: input, mesh, before, mosaic, backend, .. } = report;
     let holes = format!("{} in the connected mosaic, {} left", mosaic.holes, mesh.polygons);
     let times: Vec<_> = report.times.iter().map(|time| format!("{} {:.0}", time.stage, time.milliseconds)).collect();
-    lines(&[
+    vec![
         ("surface", surface(input)),
         ("repairs", repaired(input)),
         ("features", features(input)),
@@ -31,7 +36,7 @@ pub fn of_run(report: &Report) -> String {
         ("check", checked(report)),
         ("backend", format!("{}, {}", backend.name, backend.adapter)),
         ("time", format!("{:.0} ms: {}", report.total_milliseconds, times.join(", "))),
-    ])
+    ]
 }
 
 /// The figures of a field.
@@ -64,6 +69,11 @@ pub fn of_mosaic(report: &MosaicReport) -> String {
 
 /// The figures of a mesh, alone or against a surface.
 pub fn of_check(report: &CheckReport) -> String {
+    lines(&figures_of_check(report))
+}
+
+/// The figures of a mesh, each with its name.
+pub fn figures_of_check(report: &CheckReport) -> Vec<(&'static str, String)> {
     let mut entries = report.mesh.as_ref().map(measures).unwrap_or_default();
     entries.push(("check", report.faults.to_string()));
     if let Some(Against { surface: input, comparison }) = &report.against {
@@ -73,7 +83,7 @@ pub fn of_check(report: &CheckReport) -> String {
             None => entries.push(("Hausdorff", "none: the mesh has no extent".to_owned())),
         }
     }
-    lines(&entries)
+    entries
 }
 
 fn measures(mesh: &Quality) -> Vec<(&'static str, String)> {

@@ -14,7 +14,7 @@
 //!
 //! Read the least scaled Jacobian beside the means: one bad element spoils a simulation and does not show in a mean.
 
-use super::Mesh;
+use super::{Edge, Mesh};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -102,15 +102,8 @@ impl Quality {
         }
         let (quads, triangles) = (quad_shapes.len(), triangle_shapes.len());
 
-        let mut valence = vec![0_u32; mesh.points.len()];
-        let mut boundary = vec![false; mesh.points.len()];
         let edges = mesh.edges();
-        for edge in &edges {
-            for end in edge.ends.map(|end| end as usize) {
-                valence[end] += 1;
-                boundary[end] |= edge.is_boundary();
-            }
-        }
+        let (valence, boundary) = valences(mesh, &edges);
         let lengths = mesh.lengths(&edges);
         let interior = || valence.iter().zip(&boundary).filter(|(valence, boundary)| **valence > 0 && !**boundary);
         let count = lengths.len().max(1) as f64;
@@ -137,6 +130,32 @@ impl Quality {
     pub fn irregular(&self) -> f64 {
         self.irregular_vertices as f64 / self.interior_vertices.max(1) as f64
     }
+}
+
+/// The shape of a face (Qg of a quad, Tg of a triangle) and the scaled Jacobian of a quad; NaN for other faces.
+pub(crate) fn measures_of(mesh: &Mesh, face: &[u32]) -> (f64, f64) {
+    let point = |vertex: u32| mesh.points[vertex as usize];
+    match *face {
+        [a, b, c] => (triangle_shape([a, b, c].map(point)), f64::NAN),
+        [a, b, c, d] => {
+            let corners = [a, b, c, d].map(point);
+            (quad_shape(corners), scaled_jacobian(corners))
+        }
+        _ => (f64::NAN, f64::NAN),
+    }
+}
+
+/// The number of edges at each vertex, and whether it lies on the boundary.
+pub(crate) fn valences(mesh: &Mesh, edges: &[Edge]) -> (Vec<u32>, Vec<bool>) {
+    let mut valence = vec![0; mesh.points.len()];
+    let mut boundary = vec![false; mesh.points.len()];
+    for edge in edges {
+        for end in edge.ends.map(|end| end as usize) {
+            valence[end] += 1;
+            boundary[end] |= edge.is_boundary();
+        }
+    }
+    (valence, boundary)
 }
 
 /// Twice the signed area of each corner triangle against the quad's normal, which is the cross product of its diagonals.

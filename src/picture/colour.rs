@@ -49,14 +49,42 @@ impl Colour {
             (0.9, [254, 236, 190]),
             (1.0, [232, 241, 244]),
         ];
-        let at = quality.clamp(0.0, 1.0) as f32;
-        let above = STEPS.iter().position(|step| at <= step.0).unwrap_or(STEPS.len() - 1).max(1);
-        let (low, high) = (STEPS[above - 1], STEPS[above]);
+        Self::between(&STEPS, quality)
+    }
+
+    /// The colour of a length: 0 for the shortest and 1 for the longest, palest between them.
+    pub fn of_length(share: f64) -> Self {
+        const STEPS: [(f32, [u8; 3]); 5] = [
+            (0.0, [16, 66, 120]),
+            (0.25, [93, 158, 198]),
+            (0.5, [240, 240, 234]),
+            (0.75, [222, 165, 96]),
+            (1.0, [128, 66, 14]),
+        ];
+        Self::between(&STEPS, share)
+    }
+
+    /// A colour for the region of this number; those of regions that follow each other differ most.
+    pub fn of_region(number: usize) -> Self {
+        // The golden angle never comes back to a hue.
+        let hue = (number as f64 * 0.381_966 + 0.58).fract() * 6.0;
+        let part = |offset: f64| {
+            let wave = (((hue + offset) % 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0);
+            (255.0 * (0.5 + 0.4 * wave)).round() as u8
+        };
+        Self([part(0.0), part(4.0), part(2.0)])
+    }
+
+    /// The colour at a share of the way through steps, each a share and a colour.
+    fn between(steps: &[(f32, [u8; 3])], share: f64) -> Self {
+        let at = share.clamp(0.0, 1.0) as f32;
+        let above = steps.iter().position(|step| at <= step.0).unwrap_or(steps.len() - 1).max(1);
+        let (low, high) = (steps[above - 1], steps[above]);
         Self(low.1).mixed(Self(high.1), (at - low.0) / (high.0 - low.0))
     }
 
-    /// As SVG writes it.
-    pub(super) fn hex(self) -> String {
+    /// As SVG and HTML write it.
+    pub(crate) fn hex(self) -> String {
         let [red, green, blue] = self.0;
         format!("#{red:02x}{green:02x}{blue:02x}")
     }
@@ -76,5 +104,15 @@ mod tests {
         assert_eq!(Colour::of_quality(-3.0), Colour::of_quality(0.0));
         assert_eq!(Colour::of_quality(2.0), Colour([232, 241, 244]));
         assert_ne!(Colour::of_quality(0.9), Colour::of_quality(0.8));
+    }
+
+    #[test]
+    fn regions_that_follow_each_other_are_told_apart() {
+        let far = |a: usize, b: usize| {
+            let [a, b] = [a, b].map(|number| Colour::of_region(number).0.map(i32::from));
+            a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<i32>()
+        };
+        assert!((0..50).all(|number| far(number, number + 1) > 60), "no two neighbours are alike");
+        assert!((0..50).any(|number| far(number, number + 8) < 60), "after many, hues come near to each other");
     }
 }

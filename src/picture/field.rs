@@ -46,14 +46,8 @@ const ALIKE: f32 = 0.7;
 pub fn field_scene(surface: &Surface, field: &Field, style: FieldStyle) -> Scene {
     let mut scene = surface_scene(surface, Colour::CLAY);
     let pen = scene.pen(Pen { colour: Colour::BLUE, width: 1.5, most: f32::INFINITY });
-    let segments = match style {
-        FieldStyle::Streamlines => streamlines(surface, field),
-        FieldStyle::Crosses => crosses(surface, field),
-    };
-    let model = |place: Vec3| surface.frame().to_model(place.as_dvec3().into());
-    for [a, b] in segments {
-        let normal = (a.normal + b.normal).normalize_or_zero();
-        scene.line([a.raised, b.raised].map(model), normal, pen);
+    for (ends, normal) in field_lines(surface, field, style) {
+        scene.line(ends, normal, pen);
     }
     let dot = |colour| Pen { colour, width: 11.0, most: f32::INFINITY };
     let pens = [dot(Colour::RED), dot(Colour::BLUE)].map(|pen| scene.pen(pen));
@@ -66,6 +60,23 @@ pub fn field_scene(surface: &Surface, field: &Field, style: FieldStyle) -> Scene
         scene.line([place; 2], normal, pens[usize::from(singularity.quarters < 0)]);
     }
     scene
+}
+
+/// The lines of a field a little above its surface: the ends of each, in model units, and the normal of the surface.
+pub(crate) fn field_lines(
+    surface: &Surface,
+    field: &Field,
+    style: FieldStyle,
+) -> impl Iterator<Item = ([[f64; 3]; 2], Vec3)> {
+    let segments = match style {
+        FieldStyle::Streamlines => streamlines(surface, field),
+        FieldStyle::Crosses => crosses(surface, field),
+    };
+    let model = |place: Vec3| surface.frame().to_model(place.as_dvec3().into());
+    segments.into_iter().map(move |[a, b]| {
+        let normal = (a.normal + b.normal).normalize_or_zero();
+        ([a.raised, b.raised].map(model), normal)
+    })
 }
 
 /// A point of a line: in a triangle, and raised above it.

@@ -4,7 +4,7 @@ use super::normals::{CREASE_COSINE, corner_normals};
 use super::scene::{Corner, NO_PEN};
 use super::{Colour, Legend, Pen, Scene};
 use crate::mesh::Mesh;
-use crate::mesh::quality::{quad_shape, triangle_shape};
+use crate::mesh::quality::measures_of;
 use crate::surface::Surface;
 use glam::{DVec3, Vec3};
 
@@ -33,7 +33,7 @@ pub fn mesh_scene(mesh: &Mesh, paint: Paint) -> Scene {
     scene.place(mesh.points.iter().copied());
     let all_triangles = mesh.faces().all(|face| face.len() == 3);
     let colour = |face: &[u32]| match (paint, face.len()) {
-        (Paint::Quality, _) => Colour::of_quality(shape(mesh, face)),
+        (Paint::Quality, _) => Colour::of_quality(measures_of(mesh, face).0.max(0.0)),
         (Paint::Sides, 3) if all_triangles => Colour::CLAY,
         (Paint::Sides, 3) => Colour::ORANGE,
         (Paint::Sides, 4) => Colour::PALE,
@@ -111,13 +111,4 @@ fn creases(scene: &Scene, triangles: &[[u32; 3]]) -> Vec<bool> {
         }
     }
     creases
-}
-
-fn shape(mesh: &Mesh, face: &[u32]) -> f64 {
-    let point = |v: u32| mesh.points[v as usize];
-    match *face {
-        [a, b, c] => triangle_shape([a, b, c].map(point)),
-        [a, b, c, d] => quad_shape([a, b, c, d].map(point)),
-        _ => 0.0,
-    }
 }

@@ -24,12 +24,18 @@ mod view;
 
 pub use colour::Colour;
 pub use field::{FieldStyle, field_scene};
+#[cfg(feature = "page")]
+pub(crate) use field::field_lines;
 pub use image::Image;
 pub use legend::Legend;
 pub use mesh::{Paint, mesh_scene, surface_scene};
 pub use mosaic::mosaic_scene;
+#[cfg(feature = "page")]
+pub(crate) use mosaic::STONES;
 pub use scene::{Pen, Scene};
 pub use view::{Eye, UnknownEye, View};
+#[cfg(feature = "page")]
+pub(crate) use view::named_turns;
 
 use crate::export::{WriteError, atomic};
 use std::path::Path;

@@ -8,7 +8,7 @@ use crate::surface::Surface;
 use glam::{DVec3, Vec3};
 
 /// Five shades of stone, so that tiles are told apart.
-const STONES: [Colour; 5] = [
+pub(crate) const STONES: [Colour; 5] = [
     Colour([233, 221, 196]),
     Colour([226, 209, 178]),
     Colour([238, 229, 210]),

@@ -36,6 +36,16 @@ impl Eye {
     ];
 }
 
+/// The views with a name, for a bounding box of this extent: right, up and the direction to the eye.
+#[cfg(feature = "page")]
+pub(crate) fn named_turns(extent: [f64; 3]) -> Vec<(&'static str, [[f64; 3]; 3])> {
+    let rows = |eye: Eye| {
+        let turn = turn(&View { eye, ..View::default() }, extent.into()).ok()?.transpose();
+        Some([turn.x_axis, turn.y_axis, turn.z_axis].map(Into::into))
+    };
+    Eye::NAMES.iter().filter_map(|&(name, eye)| Some((name, rows(eye)?))).collect()
+}
+
 impl FromStr for Eye {
     type Err = UnknownEye;
 

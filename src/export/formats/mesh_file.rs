@@ -1,6 +1,6 @@
 //! What the file of a mesh holds.
 
-use crate::mesh::quality::{quad_shape, scaled_jacobian, triangle_shape};
+use crate::mesh::quality::measures_of;
 use crate::mesh::transfer::{Source, SourceTree};
 use crate::mesh::{Mesh, VertexAttributes};
 use crate::surface::{Attribute, AttributeKind, Regions, Soup};
@@ -199,25 +199,13 @@ impl MeshFile {
         let count = self.mesh.face_count();
         let mut region: Vec<i32> = self.mesh.regions.of_face.iter().map(|&region| region as i32).collect();
         region.resize(count, 0);
-        let measures = (0..count).into_par_iter().with_min_len(1024).map(|face| self.measures(face));
+        let measures = (0..count).into_par_iter().with_min_len(1024).map(|face| measures_of(&self.mesh, self.mesh.face(face)));
         let (shape, jacobian): (Vec<f64>, Vec<f64>) = measures.unzip();
         vec![
             Array { name: "region".into(), components: 1, values: Values::Integers(region) },
             Array { name: "shape".into(), components: 1, values: Values::Floats(shape.into()) },
             Array { name: "scaled_jacobian".into(), components: 1, values: Values::Floats(jacobian.into()) },
         ]
-    }
-
-    fn measures(&self, face: usize) -> (f64, f64) {
-        let point = |v: u32| self.mesh.points[v as usize];
-        match *self.mesh.face(face) {
-            [a, b, c] => (triangle_shape([a, b, c].map(point)), f64::NAN),
-            [a, b, c, d] => {
-                let corners = [a, b, c, d].map(point);
-                (quad_shape(corners), scaled_jacobian(corners))
-            }
-            _ => (f64::NAN, f64::NAN),
-        }
     }
 }
 

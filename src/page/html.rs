@@ -1,0 +1,65 @@
+//! The text of a page: its template, filled.
+
+use super::Data;
+
+const TEMPLATE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+/// The parts of the script, each after those that it uses.
+const SCRIPT: [&str; 8] = [
+    include_str!("decode.js"),
+    include_str!("camera.js"),
+    include_str!("shaders.js"),
+    include_str!("layers.js"),
+    include_str!("pick.js"),
+    include_str!("draw.js"),
+    include_str!("panel.js"),
+    include_str!("page.js"),
+];
+
+/// A page that holds its data, its style and its script.
+pub(super) fn html(data: &Data) -> String {
+    // A `<` could end the element; JSON has it in strings alone.
+    let json = serde_json::to_string(data).expect("numbers and text are JSON").replace('<', "\\u003c");
+    filled(TEMPLATE, |name| match name {
+        "title" => escaped(&data.name),
+        "style" => STYLE.to_owned(),
+        "data" => json.clone(),
+        "script" => SCRIPT.concat(),
+        _ => String::new(),
+    })
+}
+
+/// A template with a text in the place of each name in double braces.
+fn filled(template: &str, text: impl Fn(&str) -> String) -> String {
+    let mut parts = template.split("{{");
+    let mut whole = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once("}}").unwrap_or((part, ""));
+        whole.push_str(&text(name));
+        whole.push_str(rest);
+    }
+    whole
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_filled_in_is_not_filled_again() {
+        let text = |name: &str| if name == "a" { "{{b}}".to_owned() } else { format!("<{name}>") };
+        assert_eq!(filled("x {{a}} y {{b}}z", text), "x {{b}} y <b>z");
+    }
+
+    #[test]
+    fn the_template_has_each_place_once() {
+        for name in ["title", "style", "data", "script"] {
+            assert_eq!(TEMPLATE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
+        }
+        assert_eq!(TEMPLATE.matches("{{").count(), 4);
+    }
+}
