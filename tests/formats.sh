@@ -4,10 +4,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 exec </dev/null
 
-missing() {
-    echo "$1" >&2
-    if [ "${CI-}" = true ]; then exit 1; else exit 77; fi
-}
+. tests/tools.sh
 
 # CalculiX, what the wheel of Gmsh links to, and what makes a virtual environment.
 needed="calculix-ccx libgl1 libglu1-mesa libgomp1 libxrender1 libxcursor1 libxft2 libxinerama1 python3-venv"
@@ -18,10 +15,8 @@ for name in "libGL.so.1 libGLU.so.1 libgomp.so.1 libXrender.so.1 libXcursor.so.1
     ctypes.CDLL(name)' 2>/dev/null
 }
 if ! is_complete; then
-    root=()
-    if [ "$(id -u)" -ne 0 ]; then root=(sudo -n); fi
     # shellcheck disable=SC2086
-    { "${root[@]}" apt-get update -qq && DEBIAN_FRONTEND=noninteractive "${root[@]}" apt-get install -y -qq --no-install-recommends $needed; } >/dev/null ||
+    install_packages $needed ||
         missing "CalculiX and what Gmsh needs cannot be installed (as root: apt-get install $needed)"
 fi
 

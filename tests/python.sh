@@ -5,10 +5,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 exec </dev/null
 
-missing() {
-    echo "$1" >&2
-    if [ "${CI-}" = true ]; then exit 1; else exit 77; fi
-}
+. tests/tools.sh
 
 folder=$PWD/target/python
 tools=$folder/tools

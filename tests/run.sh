@@ -72,6 +72,15 @@ case $? in
     *) failed=$((failed + 1)); echo "FAILED formats" ;;
 esac
 
+# A browser shows the pages, and draws on them.
+echo "== page"
+bash tests/page.sh
+case $? in
+    0) passed=$((passed + 1)) ;;
+    77) skip "page" "the browser cannot be installed" ;;
+    *) failed=$((failed + 1)); echo "FAILED page" ;;
+esac
+
 # What a release is made of.
 check "cargo package" cargo package --quiet --allow-dirty --no-verify
 echo "== python"

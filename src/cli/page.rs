@@ -26,17 +26,13 @@ pub fn of_run(soup: &Soup, options: &Options, outcome: &Outcome, report: &Report
 
 /// The page with the surface as it is before triangles are divided for tiles; if that has too many, with the one that it was coarsened
 /// to.
-fn with_input(
-    page: Page,
-    soup: &Soup,
-    options: &Options,
-    outcome: &Outcome,
-    report: &Report,
-) -> anyhow::Result<Page> {
+fn with_input(page: Page, soup: &Soup, options: &Options, outcome: &Outcome, report: &Report) -> anyhow::Result<Page> {
     let (given, used) = (report.surface.triangles, outcome.surface.triangle_count());
     if given > MOST_TRIANGLES {
         let coarse = (used <= MOST_TRIANGLES).then(|| {
-            format!("The surface has {given} triangles. This page shows the {used} that it was coarsened to for the tiles.")
+            format!(
+                "The surface has {given} triangles. This page shows the {used} that it was coarsened to for the tiles."
+            )
         });
         let page = page.with_surface(&outcome.surface);
         return Ok(coarse.into_iter().fold(page, Page::with_note));

@@ -5,15 +5,18 @@ use super::Data;
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 /// The parts of the script, each after those that it uses.
-const SCRIPT: [&str; 8] = [
+const SCRIPT: [&str; 11] = [
     include_str!("decode.js"),
     include_str!("camera.js"),
     include_str!("shaders.js"),
     include_str!("layers.js"),
     include_str!("pick.js"),
     include_str!("draw.js"),
+    include_str!("scene.js"),
     include_str!("panel.js"),
     include_str!("page.js"),
+    include_str!("input.js"),
+    include_str!("start.js"),
 ];
 
 /// A page that holds its data, its style and its script.

@@ -104,14 +104,15 @@ class FaceLayer extends Layer {
     gl.bufferSubData(gl.ARRAY_BUFFER, 0, colours);
   }
 
-  // `edge`: half the width of sides in pixels, 0 for none.
-  draw(scene, { lift = 0, isFilled = true, edge = 0, contrast = 1 } = {}) {
+  // `edge`: half the width of sides in pixels, 0 for none; `strength`: how much of them is ink.
+  draw(scene, { lift = 0, isFilled = true, edge = 0, strength = 1, contrast = 1 } = {}) {
     const { gl, program } = this;
     this.begin(scene, lift);
     this.colour("u_back", scene.palette.back);
     this.colour("u_ink", isFilled ? scene.palette.ink : scene.ink);
     gl.uniform1f(program.uniform("u_contrast"), contrast);
     gl.uniform1f(program.uniform("u_edge"), edge * scene.density);
+    gl.uniform1f(program.uniform("u_strength"), strength);
     gl.uniform1i(program.uniform("u_filled"), isFilled);
     gl.drawArrays(gl.TRIANGLES, 0, this.triangles.vertices.length);
   }
@@ -139,8 +140,7 @@ class LineLayer extends Layer {
     const { gl, program } = this;
     if (this.count === 0) return;
     this.begin(scene, lift);
-    const isInk = this.rgb.every((part, k) => part === scene.palette.ink[k]);
-    this.colour("u_colour", isInk ? scene.ink : this.rgb);
+    this.colour("u_colour", scene.isInk(this) ? scene.ink : this.rgb);
     gl.uniform1f(program.uniform("u_width"), this.width * scene.density);
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.count);
   }

@@ -116,8 +116,7 @@ pub(super) fn features(frame: &Frame, surface: &Surface) -> Vec<Lines> {
     let curves = surface.features().curves().iter().flat_map(|curve| curve.vertices.windows(2));
     let kept: Vec<[f64; 3]> = curves.flatten().map(|&v| place(v)).collect();
     let edges = surface.dropped_edges().iter().map(|edge| edge.half_edge);
-    let dropped: Vec<[f64; 3]> =
-        edges.flat_map(|h| [surface.origin(h), surface.target(h)]).map(place).collect();
+    let dropped: Vec<[f64; 3]> = edges.flat_map(|h| [surface.origin(h), surface.target(h)]).map(place).collect();
     vec![
         Lines {
             name: "feature curves",

@@ -101,6 +101,7 @@ struct Data {
 #[derive(Serialize)]
 struct Palette {
     surface: String,
+    grout: String,
     quad: String,
     triangle: String,
     polygon: String,
@@ -138,6 +139,7 @@ impl Page {
             edge: Quality::of(mesh).mean_edge,
             palette: Palette {
                 surface: Colour::CLAY.hex(),
+                grout: Colour::GROUT.hex(),
                 quad: Colour::PALE.hex(),
                 triangle: Colour::ORANGE.hex(),
                 polygon: Colour::VIOLET.hex(),

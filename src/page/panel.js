@@ -28,10 +28,10 @@ function switchFor({ id, label, key, colour, count, checked }, change) {
 // Names below a width at their shares of it.
 function marksOf(marks) {
   const names = marks.map(([share, name]) => {
-    const mark = element("span", { textContent: name, className: share === 1 ? "last" : "" });
+    const mark = element("span", { textContent: name });
     mark.style.left = `${100 * share}%`;
-    // The first one is set at its left end, which is right for the share 0 alone.
-    if (share > 0 && share < 1) mark.style.transform = "translateX(-50%)";
+    // A name is below the middle of its place, but inside of the width.
+    mark.style.transform = `translateX(-${share === 0 ? 0 : share === 1 ? 100 : 50}%)`;
     return mark;
   });
   return element("div", { className: "marks" }, ...names);

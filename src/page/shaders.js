@@ -45,6 +45,7 @@ uniform vec3 u_back;
 uniform vec3 u_ink;
 uniform float u_contrast;
 uniform float u_edge;
+uniform float u_strength;
 uniform bool u_filled;
 in vec3 v_normal;
 in vec3 v_side;
@@ -62,7 +63,7 @@ void main() {
   float light = 0.4 + 0.6 * max(dot(normal, normalize(vec3(-0.35, 0.5, 1.0))), 0.0) + 0.1 * (0.5 + 0.5 * normal.y);
   light = 1.0 - u_contrast * (1.0 - min(light, 1.0));
   vec3 colour = gl_FrontFacing ? v_colour * light : u_back * 0.9 * light;
-  o_colour = vec4(u_filled ? mix(colour, u_ink, 0.75 * line) : u_ink, 1.0);
+  o_colour = vec4(u_filled ? mix(colour, u_ink, u_strength * line) : u_ink, 1.0);
 }`],
   lines: [`${VERTEX}
 uniform float u_width;

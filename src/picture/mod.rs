@@ -23,19 +23,19 @@ mod text;
 mod view;
 
 pub use colour::Colour;
-pub use field::{FieldStyle, field_scene};
 #[cfg(feature = "page")]
 pub(crate) use field::field_lines;
+pub use field::{FieldStyle, field_scene};
 pub use image::Image;
 pub use legend::Legend;
 pub use mesh::{Paint, mesh_scene, surface_scene};
-pub use mosaic::mosaic_scene;
 #[cfg(feature = "page")]
 pub(crate) use mosaic::STONES;
+pub use mosaic::mosaic_scene;
 pub use scene::{Pen, Scene};
-pub use view::{Eye, UnknownEye, View};
 #[cfg(feature = "page")]
 pub(crate) use view::named_turns;
+pub use view::{Eye, UnknownEye, View};
 
 use crate::export::{WriteError, atomic};
 use std::path::Path;

@@ -199,7 +199,8 @@ impl MeshFile {
         let count = self.mesh.face_count();
         let mut region: Vec<i32> = self.mesh.regions.of_face.iter().map(|&region| region as i32).collect();
         region.resize(count, 0);
-        let measures = (0..count).into_par_iter().with_min_len(1024).map(|face| measures_of(&self.mesh, self.mesh.face(face)));
+        let measures =
+            (0..count).into_par_iter().with_min_len(1024).map(|face| measures_of(&self.mesh, self.mesh.face(face)));
         let (shape, jacobian): (Vec<f64>, Vec<f64>) = measures.unzip();
         vec![
             Array { name: "region".into(), components: 1, values: Values::Integers(region) },
