@@ -4,7 +4,6 @@ mod common;
 
 use base64::prelude::{BASE64_STANDARD, Engine};
 use common::surfaces::{example, surface};
-use quadmosaic::field::Field;
 use quadmosaic::mesh::Mesh;
 use quadmosaic::mesh::quality::Quality;
 use quadmosaic::page::{MOST_TRIANGLES, Page, PageError, write_page};

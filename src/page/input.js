@@ -12,6 +12,7 @@ function setMode(wanted) {
   canvas.classList.toggle("drawing", mode !== "turn");
   document.querySelectorAll("#modes button").forEach((button) =>
     button.setAttribute("aria-pressed", String(button.dataset.mode === mode)));
+  if (mode !== "turn") scene.prepare();
   if (mode === "size") {
     byId("colour").value = "sizes";
     recolour();

@@ -49,6 +49,9 @@ pub(super) struct Dots {
     points: Floats,
 }
 
+/// The name and the colour of a kind of dots, and whether a number is of the kind.
+type Kind<T> = (&'static str, Colour, fn(T) -> bool);
+
 /// Places, in model units, as positions.
 fn positions(frame: &Frame, places: impl IntoIterator<Item = [f64; 3]>) -> Floats {
     Floats(places.into_iter().flat_map(|place| frame.to_unit(place)).map(|x| x as f32).collect())
@@ -89,7 +92,7 @@ impl Faces {
 /// The interior vertices whose valence is not 4.
 pub(super) fn irregular(frame: &Frame, mesh: &Mesh, edges: &[Edge]) -> Vec<Dots> {
     let (valence, boundary) = valences(mesh, edges);
-    let kinds: [(&str, Colour, fn(u32) -> bool); 3] = [
+    let kinds: [Kind<u32>; 3] = [
         ("valence 3", Colour::RED, |valence| valence == 3),
         ("valence 5", Colour::BLUE, |valence| valence == 5),
         ("other irregular valence", Colour::VIOLET, |valence| ![0, 3, 4, 5].contains(&valence)),
@@ -150,7 +153,7 @@ pub(super) fn field(frame: &Frame, surface: &Surface, field: &Field) -> Lines {
 /// The singularities of a field.
 pub(super) fn singularities(frame: &Frame, surface: &Surface, field: &Field) -> Vec<Dots> {
     let found = field.singularities(surface);
-    let kinds: [(&str, Colour, fn(i32) -> bool); 2] = [
+    let kinds: [Kind<i32>; 2] = [
         ("singularities of positive index", Colour::RED, |quarters| quarters > 0),
         ("singularities of negative index", Colour::BLUE, |quarters| quarters < 0),
     ];

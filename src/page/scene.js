@@ -46,9 +46,14 @@ class Scene {
     return dot(this.slice, place) <= this.slice[3];
   }
 
+  // Builds what places are found by, which takes some tenths of a second on a large surface.
+  prepare() {
+    this.tree ??= new Tree(this.ground.faces.points, this.ground.triangles.vertices);
+  }
+
   // The place on the surface that is seen at some pixels; null where there is none.
   pick(x, y) {
-    this.tree ??= new Tree(this.ground.faces.points, this.ground.triangles.vertices);
+    this.prepare();
     const eye = this.camera.turn[2], from = add(this.camera.place(x, y), eye, DEPTH);
     return this.tree.first(from, scaled(eye, -1), (place) => this.isSeen(place));
   }
