@@ -264,6 +264,13 @@ fn the_program_writes_pages_of_runs_and_of_files() {
     assert_eq!(of_file["lines"].as_array().map(Vec::len), Some(2));
     assert!(of_run["figures"].as_array().is_some_and(|figures| figures.len() > 10));
     assert_eq!(Faces::of(&of_file["surface"]).fault(), None);
+    // A surface of more triangles than a page shows is shown as it was coarsened.
+    let many = format!("example:sphere:{}", MOST_TRIANGLES + 5_000);
+    let done = program(&["mesh", &many, "--backend", "cpu", "--points", "500", "-o", quads, "--html", page, "--quiet"]);
+    assert_eq!(done, (Some(0), String::new()));
+    let coarse = data(&fs::read_to_string(page).expect("it is there"));
+    assert!(Faces::of(&coarse["surface"]).ends.len() < MOST_TRIANGLES);
+    assert!(coarse["notes"][0].as_str().is_some_and(|note| note.contains("coarsened")));
     let refused = |arguments: &[&str], part: &str| {
         let (code, told) = program(arguments);
         assert!(code != Some(0) && told.contains(part), "{told}");

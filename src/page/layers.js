@@ -114,7 +114,10 @@ class FaceLayer extends Layer {
     gl.uniform1f(program.uniform("u_edge"), edge * scene.density);
     gl.uniform1f(program.uniform("u_strength"), strength);
     gl.uniform1i(program.uniform("u_filled"), isFilled);
+    // Lines alone are smooth by how much of a pixel they cover.
+    if (!isFilled) gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
     gl.drawArrays(gl.TRIANGLES, 0, this.triangles.vertices.length);
+    gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
   }
 }
 

@@ -1,7 +1,7 @@
 // The page: its scene and its controls.
 
 const canvas = byId("canvas");
-const gl = canvas.getContext("webgl2", { antialias: true });
+const gl = canvas.getContext("webgl2", { alpha: false, antialias: true });
 
 let scene, drawing, strokes;
 let mode = "turn";

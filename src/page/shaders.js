@@ -56,14 +56,14 @@ void main() {
   slice();
   vec3 near = v_side / max(wide, vec3(1e-9));
   float line = u_edge > 0.0 ? 1.0 - smoothstep(u_edge - 0.5, u_edge + 0.5, min(near.x, min(near.y, near.z))) : 0.0;
-  if (!u_filled && line < 0.5) discard;
+  if (!u_filled && line < 0.02) discard;
   bool smooth_normal = dot(v_normal, v_normal) > 0.0;
   vec3 normal = u_turn * normalize(smooth_normal ? v_normal : flat_normal);
   if (normal.z < 0.0) normal = -normal;
   float light = 0.4 + 0.6 * max(dot(normal, normalize(vec3(-0.35, 0.5, 1.0))), 0.0) + 0.1 * (0.5 + 0.5 * normal.y);
   light = 1.0 - u_contrast * (1.0 - min(light, 1.0));
   vec3 colour = gl_FrontFacing ? v_colour * light : u_back * 0.9 * light;
-  o_colour = vec4(u_filled ? mix(colour, u_ink, u_strength * line) : u_ink, 1.0);
+  o_colour = u_filled ? vec4(mix(colour, u_ink, u_strength * line), 1.0) : vec4(u_ink, line);
 }`],
   lines: [`${VERTEX}
 uniform float u_width;
