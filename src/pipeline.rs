@@ -29,7 +29,7 @@ use crate::mosaic::{self, Effort, Mosaic, MosaicBuilder};
 use crate::parametrize::Rows;
 use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
 use crate::progress::{Cancelled, Progress};
-use crate::sizes::{SizeOptions, Sizes, SizesError};
+use crate::sizes::{SizeOptions, Sizes, SizesError, Wanted};
 use crate::surface::{FeatureOptions, NamedEdge, RepairOptions, Soup, Surface, SurfaceError};
 use std::iter::zip;
 use std::time::{Duration, Instant};
@@ -226,6 +226,15 @@ impl Meshed {
     fn wrong(&self) -> usize {
         self.faults.list.len() + self.differences.len()
     }
+
+    /// The places of the faults and differences, in model units.
+    fn faulty_places(&self) -> Vec<[f64; 3]> {
+        let uncovered = self.differences.iter().filter_map(|difference| match *difference {
+            Difference::Uncovered { at, .. } => Some(at),
+            _ => None,
+        });
+        self.faults.list.iter().map(|fault| fault.at).chain(uncovered).collect()
+    }
 }
 
 /// The least [`ConnectivityOptions::regularity`] where rows are continuous.
@@ -241,10 +250,11 @@ const SIZE_ROUNDS: usize = 4;
 /// them, and tiles do not need them.
 const MOST_PARTS: usize = 8;
 
-/// A mesh with faults of no more vertices than this is made again with half as many points more.
-pub const FEW_POINTS: usize = 300;
-/// The most rounds of this.
-const MORE_POINTS_ROUNDS: usize = 4;
+/// The most times that a mesh with faults is made again, with smaller tiles there.
+const REFINEMENTS: usize = 5;
+/// The most times of the asked count, or of [`LEAST_RAISED`] where that is more, to which this raises it.
+const MOST_RAISED: usize = 8;
+const LEAST_RAISED: usize = 300;
 
 /// The numbers of vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
@@ -252,22 +262,30 @@ pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 /// Meshes a soup of triangles. `watch` receives each stage and the share of it that is done; it is called at least every tenth of a
 /// second or so, and can cancel the run.
 ///
-/// Where so few points are asked for that the mesh has faults, it is made again with more; see [`FEW_POINTS`].
+/// Where so few points are asked for that the mesh has faults, it is made again with more.
 ///
 /// # Errors
 /// Where the surface cannot be meshed, the options are invalid, the backend fails, or `watch` cancels the run.
 pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch) -> Result<Outcome, PipelineError> {
     let progress = &Progress::new(watch);
     let backend = &Watched { backend, progress };
-    let mut best = attempt(soup, options, backend, progress)?;
-    let Fineness::Points(mut count) = options.fineness else { return Ok(best) };
-    for _ in 0..MORE_POINTS_ROUNDS {
-        if best.meshed.wrong() == 0 || count.max(best.meshed.mesh.points.len()) > FEW_POINTS {
+    let mut clock = Clock::new(progress);
+    clock.begin(Stage::Surface)?;
+    let prepared = prepare_watched(soup, options, progress)?;
+    let (mut sizing, mut best) = attempt(prepared, options, backend, clock)?;
+    let (mut surface, mut places) = (best.surface.clone(), best.meshed.faulty_places());
+    for _ in 0..REFINEMENTS {
+        if places.is_empty() {
             break;
         }
-        count = (1.5 * count as f64) as usize + 1;
-        let more = Options { fineness: Fineness::Points(count), ..options.clone() };
-        let next = attempt(soup, &more, backend, progress)?;
+        let mut clock = Clock::new(progress);
+        clock.begin(Stage::Surface)?;
+        let prepared = sizing.refined(&surface, &places)?.sized(surface, options, progress)?;
+        if prepared.count > MOST_RAISED * prepared.sizing.count.max(LEAST_RAISED) {
+            break;
+        }
+        let (refined, next) = attempt(prepared, options, backend, clock)?;
+        (sizing, surface, places) = (refined, next.surface.clone(), next.meshed.faulty_places());
         let times = zip(&best.times, &next.times).map(|(before, after)| (before.0, before.1 + after.1)).collect();
         if next.meshed.wrong() < best.meshed.wrong() {
             best = next;
@@ -277,16 +295,14 @@ pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch)
     Ok(best)
 }
 
-fn attempt(
-    soup: &Soup,
+fn attempt<'a>(
+    prepared: Prepared<'a>,
     options: &Options,
     backend: &dyn Backend,
-    progress: &Progress,
-) -> Result<Outcome, PipelineError> {
-    let mut clock = Clock::new(progress);
-
-    clock.begin(Stage::Surface)?;
-    let (surface, sizes, count) = prepare_watched(soup, options, progress)?;
+    mut clock: Clock,
+) -> Result<(Sizing<'a>, Outcome), PipelineError> {
+    let Prepared { surface, sizing, sizes, count } = prepared;
+    let progress = clock.progress;
 
     clock.begin(Stage::Field)?;
     let field = field(&surface, sizes, count, options, backend)?;
@@ -302,7 +318,7 @@ fn attempt(
     let meshed = meshed(context, &mosaic, &triangulation, options, &mut clock)?;
 
     let times = clock.finish()?;
-    Ok(Outcome { surface, field, mosaic, triangulation, meshed, times })
+    Ok((sizing, Outcome { surface, field, mosaic, triangulation, meshed, times }))
 }
 
 /// The stages of [`run`] from [`Stage::Connect`] on, for tiles that are triangulated already.
@@ -406,14 +422,28 @@ fn untangle_and_relocate(
 /// # Errors
 /// Where the surface cannot be meshed, or the fineness, the sizes or the aspect are invalid.
 pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize), PipelineError> {
-    prepare_watched(soup, options, &Progress::new(&unwatched))
+    let Prepared { surface, sizes, count, .. } = prepare_watched(soup, options, &Progress::new(&unwatched))?;
+    Ok((surface, sizes, count))
 }
 
-fn prepare_watched(
-    soup: &Soup,
-    options: &Options,
-    progress: &Progress,
-) -> Result<(Surface, Sizes, usize), PipelineError> {
+/// A surface that can carry its tiles.
+struct Prepared<'a> {
+    surface: Surface,
+    sizing: Sizing<'a>,
+    /// The sizes of the tiles.
+    sizes: Sizes,
+    /// Their wanted number.
+    count: usize,
+}
+
+/// What the sizes of the tiles follow from.
+struct Sizing<'a> {
+    wanted: Wanted<'a>,
+    /// The number of tiles that is asked for.
+    count: usize,
+}
+
+fn prepare_watched<'a>(soup: &Soup, options: &'a Options, progress: &Progress) -> Result<Prepared<'a>, PipelineError> {
     expect_stretchable(options)?;
     let features = &options.features;
     let side = approximate_side(soup, options);
@@ -430,21 +460,42 @@ fn prepare_watched(
     if surface.parts(mosaic::longest_edges(&surface, &Sizes::equal(), count, options.aspect)[0]) > MOST_PARTS * count {
         surface = surface.coarsened(f64::from(side), features);
     }
-    let mut wanted = options.sizes.on(&surface, f64::from(side), thin_sides.is_some());
-    let count = wanted.raised(&surface, count)?;
-    let mut sizes = wanted.sizes(&surface, count)?;
-    for _ in 0..SIZE_ROUNDS {
-        progress.check()?;
-        let longest = mosaic::longest_edges(&surface, &sizes, count, options.aspect);
-        let middles;
-        (surface, middles) = surface.divided(longest, features);
-        if middles.is_empty() || sizes.is_equal() {
-            break;
-        }
-        wanted = wanted.divided(&surface, &middles);
-        sizes = wanted.sizes(&surface, count)?;
+    let wanted = options.sizes.on(&surface, f64::from(side), thin_sides.is_some());
+    Sizing { wanted, count }.sized(surface, options, progress)
+}
+
+impl<'a> Sizing<'a> {
+    /// Smaller tiles at these places, in model units.
+    fn refined(self, surface: &Surface, places: &[[f64; 3]]) -> Result<Self, SizesError> {
+        Ok(Self { wanted: self.wanted.refined(surface, self.count, places)?, ..self })
     }
-    Ok((surface, sizes, count))
+
+    /// The surface, divided where tiles are small, and their sizes.
+    fn sized(
+        self,
+        mut surface: Surface,
+        options: &Options,
+        progress: &Progress,
+    ) -> Result<Prepared<'a>, PipelineError> {
+        let mut wanted = self.wanted;
+        let count = wanted.raised(&surface, self.count)?;
+        let mut sizes = wanted.sizes(&surface, count)?;
+        for _ in 0..SIZE_ROUNDS {
+            progress.check()?;
+            let longest = mosaic::longest_edges(&surface, &sizes, count, options.aspect);
+            let middles;
+            (surface, middles) = surface.divided(longest, &options.features);
+            if middles.is_empty() {
+                break;
+            }
+            wanted = wanted.divided(&surface, &middles);
+            if sizes.is_equal() {
+                break;
+            }
+            sizes = wanted.sizes(&surface, count)?;
+        }
+        Ok(Prepared { surface, sizing: Self { wanted, count: self.count }, sizes, count })
+    }
 }
 
 /// The field for `count` tiles. Curvature is measured at their scale. The field has the sizes of the tiles: `sizes`, times those

@@ -10,14 +10,15 @@
 //! Give the triangles at the corners where they are known: this is faster, and it decides on parts thinner than a face, where
 //! the nearest sheet can be the opposite one.
 
-use crate::surface::nearest::{EQUALLY_NEAR, Triangles, squared_distance};
+use crate::surface::nearest::{EQUALLY_NEAR, Triangles, nearest_weights};
 use crate::surface::{NONE, Surface};
 use glam::DVec3;
+use std::iter::zip;
 
 /// The cosine of the largest angle between a face and the sheets at its corners that needs no search: 60 degrees.
 const AGREEMENT: f64 = 0.5;
 /// A cosine smaller than this counts as none: the triangle is perpendicular to the face, but for roundings.
-const PERPENDICULAR: f64 = 1e-3;
+const PERPENDICULAR: f64 = 1e-6;
 /// The largest cosine of the normals of two sheets that lie on each other.
 const BACK: f32 = -0.98;
 
@@ -77,18 +78,29 @@ impl<'a> Orientation<'a> {
         if found.iter().all(|&triangle| cosine(triangle) >= PERPENDICULAR) {
             return false;
         }
-        let off = |triangle: u32| {
+        let on = |triangle: u32| {
             let corners = self.surface.corners(triangle as usize).map(|corner| corner.as_dvec3());
-            squared_distance(middle, corners).sqrt()
+            let point: DVec3 = zip(corners, nearest_weights(middle, corners)).map(|(p, w)| p * w).sum();
+            (point.distance(middle), point, triangle)
         };
-        let all: Vec<(f64, u32)> = found.into_iter().map(|triangle| (off(triangle), triangle)).collect();
-        let least = all.iter().map(|(off, _)| *off).fold(f64::INFINITY, f64::min);
-        let near = || all.iter().filter(|(off, _)| *off <= least + EQUALLY_NEAR).map(|(_, triangle)| *triangle);
-        let has_back = |triangle: u32| {
+        let all: Vec<(f64, DVec3, u32)> = found.into_iter().map(on).collect();
+        let least = all.iter().map(|(off, ..)| *off).fold(f64::INFINITY, f64::min);
+        let near = || all.iter().filter(|(off, ..)| *off <= least + EQUALLY_NEAR);
+        let has_back = |at: DVec3, triangle: u32| {
             let normal = self.surface.normal(triangle as usize);
-            near().any(|other| self.surface.normal(other as usize).dot(normal) < BACK)
+            near().any(|&(_, back, other)| {
+                self.surface.normal(other as usize).dot(normal) < BACK
+                    && at.distance(back) <= EQUALLY_NEAR
+                    && !self.share_an_edge(triangle, other)
+            })
         };
-        near().any(|triangle| cosine(triangle) < -PERPENDICULAR && !has_back(triangle))
+        near().any(|&(_, at, triangle)| cosine(triangle) < -PERPENDICULAR && !has_back(at, triangle))
+    }
+
+    /// Whether two triangles meet at an edge.
+    fn share_an_edge(&self, a: u32, b: u32) -> bool {
+        let corners = self.surface.triangles[b as usize];
+        self.surface.triangles[a as usize].iter().filter(|v| corners.contains(v)).count() > 1
     }
 }
 

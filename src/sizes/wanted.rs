@@ -15,8 +15,14 @@ const LEAST: f64 = 0.25;
 const THINNEST: f64 = 0.1;
 /// The least number of tiles on a part of the surface.
 const LEAST_TILES: f64 = 14.0;
+/// A part that so many tile sides squared cover is too small for tiles.
+const SPECK: f64 = 0.01;
 /// Where thin parts take more tiles than this share of the count beside those that they would have, the count is raised.
 const THIN_SHARE: f64 = 0.5;
+/// The distance from a place within which tiles are made smaller, in their sides.
+const REFINED: f64 = 1.5;
+/// Where no more tiles than this are asked for, smaller ones are added to them.
+const FEW: usize = 300;
 /// The samples that the size of a place is a mean of.
 const NEAREST: usize = 8;
 /// Rounds of fitting the scale to the count; each leaves about a tenth of the error.
@@ -54,6 +60,7 @@ impl SizeOptions {
             samples: self.spread(surface),
             turns: self.turns(surface, side),
             girths: if is_thin { self.girths(surface, side) } else { None },
+            limits: None,
         }
     }
 
@@ -123,7 +130,7 @@ impl SizeOptions {
         // A part has the girth at which the least number of tiles cover it.
         for (girth, area) in girths.iter_mut().zip(surface.areas_of_parts()) {
             let least = (area / LEAST_TILES).sqrt();
-            if least < side {
+            if (SPECK * side..side).contains(&least) {
                 *girth = girth.min(self.around * least);
             }
         }
@@ -140,6 +147,8 @@ pub(crate) struct Wanted<'a> {
     turns: Option<Vec<f64>>,
     /// The girth of thin parts, in unit-sized coordinates; infinity elsewhere.
     girths: Option<Vec<f64>>,
+    /// The largest side, in unit-sized coordinates; infinity where it is any.
+    limits: Option<Vec<f64>>,
 }
 
 impl Wanted<'_> {
@@ -148,20 +157,45 @@ impl Wanted<'_> {
     /// # Errors
     /// Where samples give no positive size that an `f32` holds.
     pub fn sizes(&self, surface: &Surface, count: usize) -> Result<Sizes, SizesError> {
-        if self.options.samples.is_empty() && self.turns.is_none() && self.girths.is_none() {
+        if self.options.samples.is_empty() && self.turns.is_none() && self.girths.is_none() && self.limits.is_none() {
             return Ok(Sizes::equal());
         }
         let growth = Growth::new(surface);
+        let scale = self.scale(surface, &growth, count)?;
+        relative(surface, &self.sides(&growth, scale), scale)
+    }
+
+    /// The scale of the samples' sides at which `count` tiles cover the surface.
+    fn scale(&self, surface: &Surface, growth: &Growth, count: usize) -> Result<f64, SizesError> {
         let mut scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
         for _ in 0..ROUNDS {
-            let sizes = relative(surface, &self.sides(&growth, scale), scale)?;
+            let sizes = relative(surface, &self.sides(growth, scale), scale)?;
             let found = sizes.count_for_side(surface, scale) / count as f64;
             if found.ln().abs() < COUNT_ERROR {
-                return Ok(sizes);
+                break;
             }
             scale *= found.sqrt();
         }
-        relative(surface, &self.sides(&growth, scale), scale)
+        Ok(scale)
+    }
+
+    /// Half the sides where they are, within [`REFINED`] of the places, in model units.
+    ///
+    /// # Errors
+    /// As [`Wanted::sizes`].
+    pub fn refined(mut self, surface: &Surface, count: usize, places: &[[f64; 3]]) -> Result<Self, SizesError> {
+        let growth = Growth::new(surface);
+        let scale = self.scale(surface, &growth, self.raised(surface, count)?)?;
+        let sides = self.sides(&growth, scale);
+        let places = RTree::bulk_load(places.iter().map(|&place| surface.frame().to_unit(place)).collect());
+        let mut limits = self.limits.take().unwrap_or_else(|| vec![f64::INFINITY; surface.vertex_count()]);
+        for (v, (limit, side)) in (0..).zip(limits.iter_mut().zip(&sides)) {
+            let near = places.nearest_neighbor_iter_with_distance_2(surface.point(v)).next();
+            if near.is_some_and(|(_, squared)| squared < (REFINED * side).powi(2)) {
+                *limit = side / 2.0;
+            }
+        }
+        Ok(Self { limits: Some(limits), ..self })
     }
 
     /// The number of tiles that are laid where `count` are asked for: more where most would lie on thin parts.
@@ -169,13 +203,14 @@ impl Wanted<'_> {
     /// # Errors
     /// As [`Wanted::sizes`].
     pub fn raised(&self, surface: &Surface, count: usize) -> Result<usize, SizesError> {
-        if self.girths.is_none() {
+        if self.girths.is_none() && self.limits.is_none() {
             return Ok(count);
         }
         let growth = Growth::new(surface);
         let scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
         let whole = relative(surface, &self.sides(&growth, scale), scale)?.count_for_side(surface, scale);
-        Ok(if whole > (1.0 + THIN_SHARE) * count as f64 { whole as usize } else { count })
+        let share = if self.limits.is_some() && count <= FEW { 0.0 } else { THIN_SHARE };
+        Ok(if whole > (1.0 + share) * count as f64 { whole as usize } else { count })
     }
 
     fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
@@ -194,7 +229,8 @@ impl Wanted<'_> {
         };
         let turns = between(self.turns, |a, b| (a + b) / 2.0);
         let girths = between(self.girths, f64::max);
-        Self { options: self.options, samples: self.options.spread(surface), turns, girths }
+        let limits = between(self.limits, f64::max);
+        Self { options: self.options, samples: self.options.spread(surface), turns, girths, limits }
     }
 
     /// The sides at this scale: no larger than curvature allows, nor than growth.
@@ -209,6 +245,9 @@ impl Wanted<'_> {
             for (side, girth) in sides.iter_mut().zip(girths) {
                 *side = self.options.thin_side(*side, *girth);
             }
+        }
+        for (side, limit) in sides.iter_mut().zip(self.limits.iter().flatten()) {
+            *side = side.min(*limit);
         }
         growth.limit(&mut sides, self.options.growth - 1.0);
         sides

@@ -22,7 +22,7 @@ pub(super) fn flip(
     repairs: &mut Repairs,
 ) {
     let mut caps: Vec<u32> =
-        (0..triangles.len() as u32).filter(|&t| height(points, triangles[t as usize]).0 < LEAST_HEIGHT).collect();
+        (0..triangles.len() as u32).filter(|&t| is_cap(places(points, triangles[t as usize]))).collect();
     let mut corners = Corners { points, triangles, twins };
     for _ in 0..ROUNDS {
         let before = caps.len();
@@ -40,13 +40,21 @@ pub(super) fn flip(
     }
 }
 
+/// Whether the three corners lie on a line.
+pub(super) fn is_cap(corners: [DVec3; 3]) -> bool {
+    height(corners).0 < LEAST_HEIGHT
+}
+
 /// The height of a triangle over its longest edge, and which edge that is.
-fn height(points: &[Vec3], triangle: [u32; 3]) -> (f64, usize) {
-    let p = triangle.map(|v| points[v as usize].as_dvec3());
+fn height(p: [DVec3; 3]) -> (f64, usize) {
     let squared = |k: usize| p[k].distance_squared(p[(k + 1) % 3]);
     let longest = (0..3).fold(0, |l, k| if squared(k) > squared(l) { k } else { l });
     let double_area = (p[1] - p[0]).cross(p[2] - p[0]).length();
     (double_area / squared(longest).sqrt().max(f64::MIN_POSITIVE), longest)
+}
+
+fn places(points: &[Vec3], triangle: [u32; 3]) -> [DVec3; 3] {
+    triangle.map(|v| points[v as usize].as_dvec3())
 }
 
 struct Corners<'a> {
@@ -62,7 +70,7 @@ impl Corners<'_> {
 
     /// Flips the longest edge where that makes the two triangles higher; returns whether it did.
     fn flip_cap(&mut self, triangle: u32, seams: &[u32]) -> bool {
-        let (low, longest) = height(self.points, self.triangles[triangle as usize]);
+        let (low, longest) = height(places(self.points, self.triangles[triangle as usize]));
         let h = 3 * triangle + longest as u32;
         let g = self.twins[h as usize];
         if low >= LEAST_HEIGHT || g == NONE {
@@ -79,12 +87,12 @@ impl Corners<'_> {
         if (pa - pp).dot(pb - pp) >= 0.0 || p == q || self.joined(p, q, previous(h)) {
             return false;
         }
-        let others = height(self.points, self.triangles[other as usize]).0;
+        let others = height(places(self.points, self.triangles[other as usize])).0;
         let halves = [[p, a, q], [q, b, p]];
-        let least = halves.map(|half| height(self.points, half).0).into_iter().fold(f64::INFINITY, f64::min);
+        let least = halves.map(|half| height(places(self.points, half)).0).into_iter().fold(f64::INFINITY, f64::min);
         // Both new triangles must face the way the other one did.
         let facing = |t: [u32; 3]| {
-            let [x, y, z] = t.map(|v| self.points[v as usize].as_dvec3());
+            let [x, y, z] = places(self.points, t);
             (y - x).cross(z - x)
         };
         let normal: DVec3 = facing(self.triangles[other as usize]);

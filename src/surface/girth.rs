@@ -26,6 +26,8 @@ const AHEAD: f32 = 0.9;
 const ALIKE: f32 = 0.7;
 /// A walk that goes round passes a normal that opposes that of its start by this cosine.
 const OPPOSED: f32 = -0.5;
+/// A shorter way round, in tile sides, is that of a slit or of triangles without height: no tile is as small.
+const SHORTEST: f32 = 0.01;
 /// The distance between points that are tested, in tile sides.
 const SPACING: f32 = 1.0 / 3.0;
 
@@ -34,7 +36,7 @@ pub(crate) fn girths(surface: &Surface, most: f32, side: f32) -> Vec<f64> {
     let mut girths = vec![f64::INFINITY; surface.vertex_count()];
     let tested = spread(surface, SPACING * side, most);
     let found: Vec<f32> = tested.par_iter().with_min_len(64).map(|&triangle| girth(surface, triangle, most)).collect();
-    for (&triangle, girth) in tested.iter().zip(found) {
+    for (&triangle, girth) in tested.iter().zip(found).filter(|(_, girth)| *girth > SHORTEST * side) {
         for v in surface.triangles[triangle as usize] {
             girths[v as usize] = girths[v as usize].min(f64::from(girth));
         }

@@ -1,8 +1,9 @@
 //! Merges points at one place, and drops degenerate triangles and repeated ones.
 
-use super::{Frame, Repairs, Soup, SurfaceError};
+use super::{Frame, Repairs, Soup, SurfaceError, caps};
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::collections::hash_map::Entry;
 
 /// Points nearer than this, in diagonals of the bounding box, are merged: the resolution of f32 in unit-sized coordinates.
 const WELD: f64 = 1e-7;
@@ -77,9 +78,10 @@ pub(super) fn weld(soup: &Soup, frame: Frame, used: &[bool], tolerance: Option<f
     }
     let (place, points) =
         join(soup, used, &frame, tolerance.unwrap_or_else(|| rounding(soup, used, &frame)).max(WELD), &mut repairs);
-    let mut seen = FxHashSet::default();
-    let mut triangles = Vec::with_capacity(soup.triangles.len());
+    let mut seen: FxHashMap<[u32; 3], usize> = FxHashMap::default();
+    let mut triangles: Vec<[u32; 3]> = Vec::with_capacity(soup.triangles.len());
     let mut sources = Vec::with_capacity(soup.triangles.len());
+    let mut doubled = Vec::new();
     for (source, given) in (0..).zip(&soup.triangles) {
         let corners = given.map(|index| place[index as usize]);
         let [a, b, c] = corners;
@@ -90,12 +92,26 @@ pub(super) fn weld(soup: &Soup, frame: Frame, used: &[bool], tolerance: Option<f
         }
         let mut key = corners;
         key.sort_unstable();
-        if seen.insert(key) {
-            triangles.push(corners);
-            sources.push(source);
-        } else {
-            repairs.duplicate_triangles.note(first);
+        match seen.entry(key) {
+            Entry::Vacant(entry) => {
+                entry.insert(triangles.len());
+                triangles.push(corners);
+                sources.push(source);
+            }
+            // Two sides of a line enclose nothing.
+            Entry::Occupied(entry) if caps::is_cap(corners.map(|v| points[v as usize])) => {
+                repairs.degenerate_triangles.note(first);
+                doubled.push(*entry.get());
+            }
+            Entry::Occupied(_) => repairs.duplicate_triangles.note(first),
         }
+    }
+    doubled.sort_unstable();
+    doubled.dedup();
+    for t in doubled.into_iter().rev() {
+        repairs.degenerate_triangles.note(|| soup.points[soup.triangles[sources[t] as usize][0] as usize]);
+        triangles.remove(t);
+        sources.remove(t);
     }
     Welded { frame, points, triangles, sources, repairs }
 }
