@@ -242,7 +242,7 @@ impl Flow<'_, '_> {
                         let together = cost + self.cost[opposite.index()];
                         heap.push(Reverse((together.to_bits(), Event::Met(state, opposite))));
                     }
-                    self.grow(state, cost, |there, event| heap.push(Reverse((there.to_bits(), event))));
+                    self.grow(state, cost, most, |there, event| heap.push(Reverse((there.to_bits(), event))));
                 }
                 Event::Met(a, b) => {
                     let [one, other] = [a, b].map(|state| label(self, state));
@@ -262,11 +262,11 @@ impl Flow<'_, '_> {
         crossed
     }
 
-    /// Reaches what lies beside a state.
-    fn grow(&mut self, state: State, cost: f64, mut push: impl FnMut(f64, Event)) {
+    /// Reaches what lies beside a state up to the price `most`.
+    fn grow(&mut self, state: State, cost: f64, most: f64, mut push: impl FnMut(f64, Event)) {
         for h in 3 * state.triangle()..3 * state.triangle() + 3 {
             let there = cost + f64::from(self.prices[h as usize][state.direction() as usize]);
-            if there.is_infinite() {
+            if there.is_infinite() || there > most {
                 continue;
             }
             match self.surface.twin(h) {
@@ -322,7 +322,8 @@ impl Flow<'_, '_> {
                 Event::Reached(state) if cost > self.cost[state.index()] => {}
                 Event::Reached(state) if state != start && takes(self, state) => return Some(End::Inside(state)),
                 Event::Reached(state) => {
-                    self.grow(state, cost, |there, event| heap.push(Reverse((there.to_bits(), event))));
+                    let push = |there: f64, event| heap.push(Reverse((there.to_bits(), event)));
+                    self.grow(state, cost, f64::INFINITY, push);
                 }
                 Event::Left(state, h) => return Some(End::Outside(state, h)),
                 Event::Met(..) => {}
