@@ -88,7 +88,7 @@ pub enum OptionError {
 }
 
 /// The names of the options that [`Options::set`] knows.
-pub const NAMES: [&str; 23] = [
+pub const NAMES: [&str; 24] = [
     "points",
     "size",
     "refine_curvature",
@@ -100,6 +100,7 @@ pub const NAMES: [&str; 23] = [
     "fill_holes",
     "crease",
     "ignore_regions",
+    "keep_uv",
     "ridge",
     "align",
     "rows",
@@ -138,6 +139,7 @@ impl Options {
             "fill_holes" => self.repairs.fill_holes = Some(value.parse::<Length>()?),
             "crease" => (self.features.crease, self.features.every_crease) = (degrees::<180>(value)?, true),
             "ignore_regions" => self.features.region_borders = !flag(value)?,
+            "keep_uv" => self.features.texture_seams = flag(value)?,
             "ridge" => self.features.ridge = degrees::<180>(value)?,
             "align" => self.field.align = Some(align(value)?),
             "rows" => self.rows = word(value, &["paper", "continuous"], [Rows::Paper, Rows::Continuous])?,
@@ -268,7 +270,7 @@ mod tests {
     #[test]
     fn each_option_has_a_value_that_is_taken_and_one_that_is_refused() {
         let taken = |name: &str| match name {
-            "imprint" | "ignore_regions" | "no_cleanup" => "true",
+            "imprint" | "ignore_regions" | "keep_uv" | "no_cleanup" => "true",
             "points" => "200",
             "weld" | "drop_parts" | "fill_holes" => "0.1%",
             "align" => "curvature:1",

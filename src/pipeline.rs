@@ -115,7 +115,7 @@ impl Options {
 pub enum PipelineError {
     /// The surface cannot be meshed.
     #[error(transparent)]
-    Surface(#[from] SurfaceError),
+    Surface(SurfaceError),
     /// The backend failed.
     #[error(transparent)]
     Compute(ComputeError),
@@ -131,6 +131,15 @@ pub enum PipelineError {
     /// The progress function cancelled the run.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<SurfaceError> for PipelineError {
+    fn from(error: SurfaceError) -> Self {
+        match error {
+            SurfaceError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            error => Self::Surface(error),
+        }
+    }
 }
 
 impl From<ComputeError> for PipelineError {
@@ -447,19 +456,24 @@ fn prepare_watched<'a>(soup: &Soup, options: &'a Options, progress: &Progress) -
     expect_stretchable(options)?;
     let features = &options.features;
     let side = approximate_side(soup, options);
-    let surface =
-        Surface::repaired(soup, features, &options.repairs, side)?.with_edges(soup, &options.edges, features)?;
+    let surface = Surface::repaired_watched(soup, features, &options.repairs, side, progress)?;
+    progress.check()?;
+    let surface = surface.with_edges(soup, &options.edges, features)?;
     progress.check()?;
     let count = count(&surface, options)?;
     let side = mosaic::side_for_count(&surface, count);
-    let thin_sides = options.sizes.thin_sides(&surface, f64::from(side));
+    progress.check()?;
+    let thin_sides = options.sizes.thin_sides(&surface, f64::from(side), &|| progress.is_cancelled());
+    progress.check()?;
     let surface = surface.with_contacts(f64::from(side));
     progress.check()?;
-    let mut surface = surface.fitted_to(features, side, thin_sides.as_deref());
+    let mut surface = surface.fitted_to(features, side, thin_sides.as_deref(), progress);
     progress.check()?;
     if surface.parts(mosaic::longest_edges(&surface, &Sizes::equal(), count, options.aspect)[0]) > MOST_PARTS * count {
-        surface = surface.coarsened(f64::from(side), features);
+        progress.check()?;
+        surface = surface.coarsened(f64::from(side), features, progress);
     }
+    progress.check()?;
     let wanted = options.sizes.on(&surface, f64::from(side), thin_sides.is_some());
     Sizing { wanted, count }.sized(surface, options, progress)
 }

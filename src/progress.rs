@@ -73,6 +73,12 @@ pub fn unwatched(_: Stage, _: f32) -> ControlFlow<()> {
 #[error("the run was cancelled")]
 pub struct Cancelled;
 
+/// Whether a run is cancelled: what loops ask. Cancelled, they end early and leave valid data.
+pub(crate) type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
+
+/// Cheap loops ask once in so many elements.
+pub(crate) const ASKED_EVERY: usize = 1024;
+
 /// The time between two calls of the user's function within a stage.
 const INTERVAL: Duration = Duration::from_millis(10);
 

@@ -82,3 +82,22 @@ fn long_stages_ask_many_times() {
         assert!(!is_asked || time < Duration::from_millis(100) || within > 2, "{}: {within} calls", stage.name());
     }
 }
+
+#[test]
+fn the_surface_stage_of_many_triangles_asks_ten_times_a_second() {
+    let soup = example("torus", 300_000);
+    let calls = Mutex::new(0);
+    let watch: &Watch = &|stage, _| {
+        *calls.lock().expect("no call panicked") += u32::from(stage == Stage::Surface);
+        ControlFlow::Continue(())
+    };
+    let outcome = alone(|| Mesher::cpu().mesh_watched(&soup, &options(2_000), watch));
+    let outcome = outcome.unwrap_or_else(|error| panic!("{error}"));
+    let (calls, time) = (calls.into_inner().expect("no call panicked"), outcome.times[0].1);
+    assert!(calls > 3 && calls * Duration::from_millis(100) > time, "{calls} calls in {time:?}");
+    // Cancelled in the midst of it, it ends with it.
+    for call in [2, calls as usize / 2] {
+        let (at, late) = cancelled(&soup, &options(2_000), |_, now| now == call).expect("it is cancelled");
+        assert!(at == Stage::Surface && late < Duration::from_millis(1_000), "call {call}: {}, {late:?}", at.name());
+    }
+}

@@ -19,12 +19,13 @@ fi
 rm -rf "$folder/wheels" "$folder/venv"
 (cd python && "$tools/bin/maturin" build --release --quiet --out "$folder/wheels") || exit 1
 python3 -m venv "$folder/venv" || exit 1
-"$folder/venv/bin/pip" install --quiet --disable-pip-version-check numpy pytest mypy trimesh meshio pyvista ||
-    missing "numpy, pytest, mypy, trimesh, meshio and pyvista cannot be installed from PyPI"
+"$folder/venv/bin/pip" install --quiet --disable-pip-version-check numpy pytest mypy trimesh meshio pyvista distributed ||
+    missing "numpy, pytest, mypy, trimesh, meshio, pyvista and distributed cannot be installed from PyPI"
 "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --no-index "$folder"/wheels/*.whl || exit 1
 
 # The installed package is tested, not the folder beside the tests.
 cd python/tests || exit 1
 "$folder/venv/bin/python" -m pytest -q -p no:cacheprovider -c ../pyproject.toml --rootdir . . &&
     "$folder/venv/bin/mypy" --config-file ../pyproject.toml --cache-dir "$folder/mypy" -p quadmosaic &&
-    "$folder/venv/bin/mypy" --config-file ../pyproject.toml --cache-dir "$folder/mypy" test_quadmosaic.py
+    "$folder/venv/bin/mypy" --config-file ../pyproject.toml --cache-dir "$folder/mypy" \
+        test_quadmosaic.py test_cluster.py ../examples/cluster.py ../examples/cluster_ray.py

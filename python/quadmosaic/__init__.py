@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Optional, TypeVar, Union
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import pyvista
     import trimesh
 
-__all__ = ["Cancelled", "MeshWarning", "Result", "Surface", "SurfaceError", "load", "mesh", "save"]
+__all__ = ["Cancelled", "MeshWarning", "Result", "Surface", "SurfaceError", "example", "load", "mesh", "save"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -57,6 +57,12 @@ class Surface:
     """(k,): the region of each triangle, an index into region_names; 0 where there is none."""
     region_names: list[str]
     """Empty where the file has no regions."""
+    attributes: dict[str, Floats] = field(default_factory=dict)
+    """Numbers of vertices by name: (n,), or (n, c) of more than one component. RGB (n, 3) is a colour from 0 to 1, TCoords (n, 2) are
+    texture coordinates."""
+    corner_attributes: dict[str, Floats] = field(default_factory=dict)
+    """Numbers of the corners of triangles by name: (3 k,) or (3 k, c), the corners of a triangle one after the other. A file has
+    TCoords here where they jump at seams."""
 
 
 @dataclass(frozen=True)
@@ -77,14 +83,22 @@ class Result:
     """Empty where the surface has no regions."""
     source: Integers
     """(n,): the triangle of the surface that each vertex lies on."""
+    barycentric: Floats
+    """(n, 3): the barycentric coordinates of each vertex in that triangle."""
     kind: Integers
     """(n,): 0 free, 1 on a boundary, 2 on a feature curve, 3 a corner."""
+    attributes: dict[str, Floats]
+    """The surface's attributes at each vertex, by name: (n,), or (n, c) of more than one component. Where values jump at a seam, those
+    of one side."""
+    corner_attributes: dict[str, Floats]
+    """Texture coordinates that jump at seams, by name: (4 m + 3 k + ..., 2), of the corners of quads, then of triangles, then of
+    polygons, those of a face one after the other. A name is in attributes too."""
     report: dict[str, Any]
     """The figures that the command line writes by --report."""
     _meshed: _native.Meshed = field(repr=False, compare=False)
 
     def to_pyvista(self) -> pyvista.PolyData:
-        """The mesh as pyvista.PolyData, with the arrays region, kind and source."""
+        """The mesh as pyvista.PolyData, with the arrays region, kind and source, and the attributes of vertices."""
         import pyvista
 
         sizes = [(self.quads, 4), (self.triangles, 3)]
@@ -92,19 +106,20 @@ class Result:
         faces += [np.insert(polygon, 0, len(polygon)) for polygon in self.polygons]
         mesh = pyvista.PolyData(self.vertices, faces=np.concatenate(faces))
         mesh.cell_data["region"] = self.regions
-        mesh.point_data["kind"] = self.kind
-        mesh.point_data["source"] = self.source
+        for name, values in self._of_vertices().items():
+            mesh.point_data[name] = values
         return mesh
 
     def to_trimesh(self) -> trimesh.Trimesh:
-        """The mesh as trimesh.Trimesh: each quad is two triangles, and polygons are left out."""
+        """The mesh as trimesh.Trimesh, with kind, source and attributes as vertex_attributes: each quad is two triangles, and polygons
+        are left out."""
         import trimesh
 
         faces = np.concatenate([self.quads[:, [0, 1, 2]], self.quads[:, [0, 2, 3]], self.triangles])
-        return trimesh.Trimesh(self.vertices, faces, process=False)
+        return trimesh.Trimesh(self.vertices, faces, process=False, vertex_attributes=self._of_vertices())
 
     def to_meshio(self) -> meshio.Mesh:
-        """The mesh as meshio.Mesh, with the arrays region, kind and source; polygons are left out."""
+        """The mesh as meshio.Mesh, with the arrays region, kind and source, and the attributes of vertices; polygons are left out."""
         import meshio
 
         quads, faces = len(self.quads), len(self.quads) + len(self.triangles)
@@ -113,14 +128,18 @@ class Result:
         return meshio.Mesh(
             self.vertices,
             [(kind, cells) for kind, cells, _ in blocks],
-            point_data={"kind": self.kind, "source": self.source},
+            point_data=self._of_vertices(),
             cell_data={"region": [regions for _, _, regions in blocks]},
         )
 
+    def _of_vertices(self) -> dict[str, Any]:
+        """The arrays of vertices by name; kind and source are never those of the surface."""
+        return {**self.attributes, "kind": self.kind, "source": self.source}
+
 
 def mesh(
-    vertices: npt.ArrayLike,
-    triangles: npt.ArrayLike,
+    vertices: Union[npt.ArrayLike, Surface],
+    triangles: Optional[npt.ArrayLike] = None,
     points: Optional[int] = None,
     *,
     guides: Union[Path, Sequence[Guide], None] = None,
@@ -128,6 +147,8 @@ def mesh(
     progress: Optional[Callable[[str, float], Optional[bool]]] = None,
     regions: Optional[npt.ArrayLike] = None,
     region_names: Optional[Sequence[str]] = None,
+    attributes: Optional[Mapping[str, npt.ArrayLike]] = None,
+    corner_attributes: Optional[Mapping[str, npt.ArrayLike]] = None,
     size: Optional[float] = None,
     refine_curvature: Optional[float] = None,
     around: Optional[int] = None,
@@ -138,6 +159,7 @@ def mesh(
     fill_holes: Optional[Length] = None,
     crease: Optional[float] = None,
     ignore_regions: bool = False,
+    keep_uv: bool = False,
     feature_edges: Union[Path, npt.ArrayLike, None] = None,
     ridge: Optional[float] = None,
     align: Optional[str] = None,
@@ -157,10 +179,11 @@ def mesh(
 ) -> Result:
     """Meshes triangles.
 
-    vertices: (n, 3). triangles: (k, 3), counted from 0. points: the wanted number of vertices, 6000 where neither size nor sizes is
+    vertices: (n, 3). triangles: (k, 3), counted from 0. Or a Surface for both, with its regions and attributes. points: the wanted number of vertices, 6000 where neither size nor sizes is
     given. guides: a file, or a list of Guide. sizes: a file, or rows of x, y, z and the wanted edge length there. progress: called with
     the name of a stage and the share of it that is done; where it returns False, Cancelled is raised. regions: the region of each
-    triangle, an index into region_names. feature_edges: a file, or pairs of vertices.
+    triangle, an index into region_names. attributes, corner_attributes: numbers of vertices and of the corners of triangles, as Surface
+    has them; the mesh gets them by linear interpolation. feature_edges: a file, or pairs of vertices.
 
     The other options are those of `quadmosaic mesh`, with _ for -; None is the default there. All threads of a process share its
     backends, each of which is made once.
@@ -169,6 +192,17 @@ def mesh(
     MeshWarning.
     """
     values: dict[str, Any] = {name: value for name, value in locals().items() if name in _OPTIONS}
+    if isinstance(vertices, Surface):
+        if triangles is not None:
+            raise ValueError("triangles cannot be used with a Surface, which has its own")
+        surface = vertices
+        vertices, triangles = surface.vertices, surface.triangles
+        if regions is None and surface.region_names:
+            regions, region_names = surface.regions, surface.region_names
+        attributes = surface.attributes if attributes is None else attributes
+        corner_attributes = surface.corner_attributes if corner_attributes is None else corner_attributes
+    if triangles is None:
+        raise ValueError("triangles are missing; give them beside vertices, or a Surface")
     if points is not None and size is not None:
         raise ValueError("points cannot be used with size; give one of them")
     if quads is not None and no_cleanup:
@@ -177,6 +211,7 @@ def mesh(
         _floats(vertices, "vertices"),
         _integers(triangles, "triangles"),
         None if regions is None else _regions(regions, region_names),
+        _attributes(attributes or {}, corner_attributes or {}),
         [(name, _text(value)) for name, value in values.items() if value is not None and value is not False],
         _guides(guides),
         _file_or(_floats, sizes, "sizes"),
@@ -194,7 +229,10 @@ def mesh(
         regions=meshed.regions(),
         region_names=meshed.region_names(),
         source=meshed.source(),
+        barycentric=meshed.barycentric(),
         kind=meshed.kind(),
+        attributes=_named(meshed.attributes()),
+        corner_attributes=_named(meshed.corner_attributes()),
         report=json.loads(meshed.report),
         _meshed=meshed,
     )
@@ -203,24 +241,40 @@ def mesh(
 def load(path: Path, *, format: Optional[str] = None) -> Surface:
     """Reads the triangles of an OBJ, STL, PLY, OFF, MSH, VTK, VTU or VTP file, perhaps in gzip, told apart by content.
 
-    format: that of a file whose content leaves it open. Raises SurfaceError, with the line or the triangle where one is wrong.
+    format: that of a file whose content leaves it open. Raises SurfaceError, with the line or the triangle where one is wrong. Warns by
+    MeshWarning of arrays that are not read, as numbers of faces and integers of vertices.
     """
-    vertices, triangles, names, regions = _native.load(os.fspath(path), format)
-    return Surface(vertices, triangles, regions, names)
+    arrays, left_out = _native.load(os.fspath(path), format)
+    if left_out:
+        warnings.warn(f"not read from {os.fspath(path)}: {', '.join(left_out)}", MeshWarning, stacklevel=2)
+    return _surface(arrays)
 
 
-def save(path: Path, mesh: Union[Result, Surface], *, format: Optional[str] = None) -> None:
-    """Writes a mesh or a surface to a file, whole or not at all.
+def example(name: str, triangles: int = 20_000) -> Surface:
+    """An example surface of about so many triangles: m6, torus, sphere, plate or block."""
+    return _surface(_native.example(name, triangles))
 
-    format: obj, ply, stl, off, vtk, vtu, msh, msh22, su2, inp, bdf or glb; without it, the extension tells it.
+
+def save(
+    path: Path, mesh: Union[Result, Surface], *, format: Optional[str] = None, with_source: bool = False
+) -> None:
+    """Writes a mesh or a surface, with its attributes, to a file, whole or not at all.
+
+    format: obj, ply, stl, off, vtk, vtu, msh, msh22, su2, inp, bdf or glb; without it, the extension tells it. with_source: a Result's
+    source and barycentric are written too, as the arrays source_triangle and source_barycentric of PLY, VTK and VTU. Warns by
+    MeshWarning of attributes that the format does not hold.
     """
     if isinstance(mesh, Result):
-        mesh._meshed.save(os.fspath(path), format)
-        return
-    none = np.empty((0, 4), dtype=np.int64)
-    regions = (mesh.region_names, mesh.regions) if mesh.region_names else None
-    vertices, triangles = _floats(mesh.vertices, "vertices"), _integers(mesh.triangles, "triangles")
-    _native.save(os.fspath(path), format, vertices, none, triangles, regions)
+        warning = mesh._meshed.save(os.fspath(path), format, with_source)
+    elif with_source:
+        raise ValueError("with_source cannot be used with a Surface, which has no source")
+    else:
+        regions = (mesh.region_names, mesh.regions) if mesh.region_names else None
+        vertices, triangles = _floats(mesh.vertices, "vertices"), _integers(mesh.triangles, "triangles")
+        attributes = _attributes(mesh.attributes, mesh.corner_attributes)
+        warning = _native.save(os.fspath(path), format, vertices, triangles, regions, attributes)
+    if warning is not None:
+        warnings.warn(warning, MeshWarning, stacklevel=2)
 
 
 _OPTIONS = frozenset(_native.option_names())
@@ -264,6 +318,33 @@ def _regions(regions: npt.ArrayLike, names: Optional[Sequence[str]]) -> tuple[li
     count = int(numbers.max(initial=-1)) + 1
     named = [f"region_{number}" for number in range(count)] if names is None else list(names)
     return named, numbers.astype(np.int64, copy=False)
+
+
+def _attributes(
+    of_vertices: Mapping[str, npt.ArrayLike], of_corners: Mapping[str, npt.ArrayLike]
+) -> list[tuple[str, bool, Floats]]:
+    """The name, whether it is of corners, and two-dimensional numbers; a name of both is of corners."""
+    given = [(name, False, array) for name, array in of_vertices.items() if name not in of_corners]
+    given += [(name, True, array) for name, array in of_corners.items()]
+    return [(name, is_of_corners, _columns(array, name)) for name, is_of_corners, array in given]
+
+
+def _columns(array: npt.ArrayLike, name: str) -> Floats:
+    numbers = np.asarray(array)
+    if numbers.dtype.kind not in "biuf":
+        raise ValueError(f"the attribute {name} has the type {numbers.dtype}; give real numbers")
+    numbers = numbers.astype(np.float64, copy=False)
+    return _two_dimensional(numbers[:, np.newaxis] if numbers.ndim == 1 else numbers, f"the attribute {name}")
+
+
+def _named(arrays: Sequence[tuple[str, Floats]]) -> dict[str, Floats]:
+    """Arrays by name, those of one column without columns."""
+    return {name: array[:, 0] if array.shape[1] == 1 else array for name, array in arrays}
+
+
+def _surface(arrays: _native.Arrays) -> Surface:
+    vertices, triangles, regions, region_names, of_vertices, of_corners = arrays
+    return Surface(vertices, triangles, regions, region_names, _named(of_vertices), _named(of_corners))
 
 
 def _guides(guides: Union[Path, Sequence[Guide], None]) -> Optional[tuple[bool, str]]:

@@ -4,7 +4,8 @@ use crate::error::of_text;
 use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use numpy::{PyUntypedArrayMethods, ndarray::ArrayView2};
 use pyo3::prelude::*;
-use quadmosaic::surface;
+use quadmosaic::mesh::Mesh;
+use quadmosaic::surface::{self, Attribute, AttributeKind};
 
 /// An array of so many columns.
 pub fn flat<T: Element>(py: Python<'_>, numbers: Vec<T>, columns: usize) -> PyResult<Bound<'_, PyArray2<T>>> {
@@ -49,6 +50,78 @@ pub fn rows<const N: usize>(array: &PyReadonlyArray2<'_, i64>, count: usize, nam
         rows.push(indices);
     }
     Ok(rows)
+}
+
+/// Arrays of attributes by name.
+pub type Named<'py> = Vec<(String, Bound<'py, PyArray2<f64>>)>;
+
+/// The arrays of attributes of vertices, and of those of the corners of triangles.
+pub fn named<'py>(
+    py: Python<'py>,
+    attributes: Vec<Attribute>,
+    triangles: &[[u32; 3]],
+) -> PyResult<(Named<'py>, Named<'py>)> {
+    let (mut of_vertices, mut of_corners) = (Vec::new(), Vec::new());
+    for attribute in attributes {
+        if attribute.of_corners.is_empty() {
+            of_vertices.push((attribute.name, flat(py, attribute.values, attribute.components)?));
+            continue;
+        }
+        let corners = triangles.as_flattened().iter().enumerate();
+        let values = corners.flat_map(|(place, &vertex)| attribute.at_corner(place, vertex)).copied().collect();
+        of_corners.push((attribute.name, flat(py, values, attribute.components)?));
+    }
+    Ok((of_vertices, of_corners))
+}
+
+/// The array of an attribute of the vertices of a mesh.
+pub fn at_vertices<'py>(py: Python<'py>, attribute: &Attribute, mesh: &Mesh) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let components = attribute.components;
+    flat(py, attribute.values[..components * mesh.points.len()].to_vec(), components)
+}
+
+/// The array of an attribute of the corners of a mesh: of its quads, triangles, larger faces.
+pub fn at_corners<'py>(py: Python<'py>, attribute: &Attribute, mesh: &Mesh) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let mut of_kinds = [Vec::new(), Vec::new(), Vec::new()];
+    let mut start = 0;
+    for face in mesh.faces() {
+        let values = &mut of_kinds[match face.len() {
+            4 => 0,
+            3 => 1,
+            _ => 2,
+        }];
+        face.iter().enumerate().for_each(|(k, &vertex)| values.extend(attribute.at_corner(start + k, vertex)));
+        start += face.len();
+    }
+    flat(py, of_kinds.concat(), attribute.components)
+}
+
+/// An attribute of vertices, or of the corners of triangles.
+#[derive(FromPyObject)]
+pub struct Given<'py>(String, bool, PyReadonlyArray2<'py, f64>);
+
+impl Given<'_> {
+    /// The attribute of so many vertices and triangles.
+    pub fn of(self, vertices: usize, triangles: usize) -> PyResult<Attribute> {
+        let Self(name, is_of_corners, array) = self;
+        let array = array.as_array();
+        let [rows, components] = [array.nrows(), array.ncols()];
+        let (wanted, what) = if is_of_corners { (3 * triangles, "corners") } else { (vertices, "vertices") };
+        if rows != wanted {
+            return Err(of_text(format!(
+                "the attribute {name} has {rows} rows for {wanted} {what}; give one for each"
+            )));
+        }
+        if components == 0 {
+            return Err(of_text(format!("the attribute {name} has no columns; give one or more")));
+        }
+        let kind = AttributeKind::of(&name, components);
+        if kind == AttributeKind::Colour && array.iter().any(|value| !(0.0..=1.0).contains(value)) {
+            return Err(of_text(format!("the colours {name} are not from 0 to 1; divide bytes by 255")));
+        }
+        let of_corners = if is_of_corners { (0..rows as u32).collect() } else { Vec::new() };
+        Ok(Attribute { name, kind, components, values: array.iter().copied().collect(), of_corners })
+    }
 }
 
 /// The names of regions, and the region of each face.

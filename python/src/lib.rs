@@ -4,18 +4,19 @@ mod convert;
 mod error;
 mod run;
 
-use convert::{Regions, flat, integers, points, rows};
+use convert::{Given, Named, Regions, at_corners, at_vertices, flat, integers, named, points, rows};
 use error::{Cancelled, SurfaceError, of_load, of_pipeline, of_value};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
-use quadmosaic::export::{Format, MeshFile, write_mesh};
+use quadmosaic::export::{Format, MeshFile, WriteError, write_mesh};
 use quadmosaic::field::{parse_guides, read_guides};
+use quadmosaic::mesh::VertexAttributes;
 use quadmosaic::mesh::transfer::{Source, SourceTree};
-use quadmosaic::mesh::{Mesh, VertexAttributes};
 use quadmosaic::pipeline::Meshed as Finished;
 use quadmosaic::sizes::{read_sizes, samples};
-use quadmosaic::surface::{Ends, NamedEdge, load as loading, read_edges};
-use quadmosaic::warnings::of_precision;
+use quadmosaic::surface::examples::Example;
+use quadmosaic::surface::{AttributeKind, Attributes, Ends, NamedEdge, load as loading, read_edges};
+use quadmosaic::warnings::{of_attributes, of_precision};
 use quadmosaic::{Fineness, Options, Soup};
 use std::path::{Path, PathBuf};
 
@@ -23,8 +24,9 @@ use std::path::{Path, PathBuf};
 #[pyclass(frozen)]
 struct Meshed {
     file: MeshFile,
-    attributes: Vec<VertexAttributes>,
+    vertices: Vec<VertexAttributes>,
     sources: Vec<Source>,
+    attributes: Attributes,
     #[pyo3(get)]
     report: String,
     #[pyo3(get)]
@@ -68,13 +70,41 @@ impl Meshed {
         integers(py, self.sources.iter().map(|source| i64::from(source.triangle)))
     }
 
-    /// 0 free, 1 on a boundary, 2 on a feature curve, 3 a corner.
-    fn kind<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        integers(py, self.attributes.iter().map(|vertex| vertex.kind as i64))
+    /// The barycentric coordinates of each vertex in that triangle.
+    fn barycentric<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        flat(py, self.sources.iter().flat_map(|source| source.barycentric).collect(), 3)
     }
 
-    fn save(&self, py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyResult<()> {
-        written(py, &path, format, &self.file)
+    /// 0 free, 1 on a boundary, 2 on a feature curve, 3 a corner.
+    fn kind<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        integers(py, self.vertices.iter().map(|vertex| vertex.kind as i64))
+    }
+
+    /// The attributes of the surface at each vertex.
+    fn attributes<'py>(&self, py: Python<'py>) -> PyResult<Named<'py>> {
+        let array = |attribute| at_vertices(py, attribute, self.file.mesh());
+        self.attributes.list.iter().map(|attribute| Ok((attribute.name.clone(), array(attribute)?))).collect()
+    }
+
+    /// Those that corners of faces have of their own.
+    fn corner_attributes<'py>(&self, py: Python<'py>) -> PyResult<Named<'py>> {
+        let own = self.attributes.list.iter().filter(|attribute| !attribute.of_corners.is_empty());
+        own.map(|attribute| Ok((attribute.name.clone(), at_corners(py, attribute, self.file.mesh())?))).collect()
+    }
+
+    /// Writes the mesh; the answer is a warning.
+    fn save(&self, py: Python<'_>, path: PathBuf, format: Option<&str>, with_source: bool) -> PyResult<Option<String>> {
+        let format = format_of(&path, format)?;
+        if with_source && !format.takes(AttributeKind::Numbers) {
+            return Err(of_value(format!(
+                "{format} has no arrays of vertices; with_source goes with ply, vtk and vtu"
+            )));
+        }
+        let write = || match with_source {
+            true => write_mesh(&path, format, &self.file.clone().with_sources(self.sources.clone())),
+            false => write_mesh(&path, format, &self.file),
+        };
+        written(py, &path, format, &self.attributes, write)
     }
 }
 
@@ -86,6 +116,7 @@ fn mesh(
     vertices: PyReadonlyArray2<'_, f64>,
     triangles: PyReadonlyArray2<'_, i64>,
     regions: Option<Regions<'_>>,
+    attributes: Vec<Given<'_>>,
     options: Vec<(String, String)>,
     guides: Option<(bool, String)>,
     sizes: Option<Sizes<'_>>,
@@ -93,7 +124,7 @@ fn mesh(
     machine: run::Machine,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Meshed> {
-    let soup = soup(&vertices, &triangles, regions)?;
+    let soup = soup(&vertices, &triangles, regions, attributes)?;
     let mut all = Options::new(Fineness::Points(6_000));
     all.sizes.samples = match sizes {
         None => Vec::new(),
@@ -122,16 +153,20 @@ fn mesh(
         machine.on_threads(|| {
             let outcome = mesher.mesh_watched(&soup, &all, watch)?;
             let report = mesher.report("arrays", &all, &outcome);
-            let Finished { mesh, vertices: attributes, .. } = outcome.meshed;
-            let sources = SourceTree::new(&soup).sources(&mesh.points);
-            Ok((MeshFile::new(&mesh, &attributes).with_input(&soup, false), attributes, sources, report))
+            let Finished { mesh, vertices, .. } = outcome.meshed;
+            let tree = SourceTree::new(&soup);
+            let sources = tree.sources(&mesh.points);
+            let file = MeshFile::new(&mesh, &vertices);
+            let list = tree.attributes(file.mesh(), &sources);
+            let file = file.with_attributes(list.clone());
+            Ok((file, vertices, sources, Attributes { list, ..Attributes::default() }, report))
         })
     })?;
-    let (file, attributes, sources, report) = done?.map_err(of_pipeline)?;
+    let (file, vertices, sources, attributes, report) = done?.map_err(of_pipeline)?;
     let coarse = of_precision(&soup, file.mesh().points.len());
     let warnings = report.warnings().into_iter().chain(report.wrong()).chain(coarse).collect();
     let report = serde_json::to_string(&report).map_err(of_value)?;
-    Ok(Meshed { file, attributes, sources, report, warnings })
+    Ok(Meshed { file, vertices, sources, attributes, report, warnings })
 }
 
 /// Sizes at points: rows of x, y, z and the size, or a file.
@@ -158,6 +193,7 @@ fn soup(
     vertices: &PyReadonlyArray2<'_, f64>,
     triangles: &PyReadonlyArray2<'_, i64>,
     regions: Option<Regions<'_>>,
+    attributes: Vec<Given<'_>>,
 ) -> PyResult<Soup> {
     let points = points(vertices, "vertices")?;
     let triangles = rows(triangles, points.len(), "triangles")?;
@@ -165,58 +201,89 @@ fn soup(
     if let Some(regions) = regions {
         soup.regions = regions.of(soup.triangles.len())?;
     }
+    let counts = [soup.points.len(), soup.triangles.len()];
+    soup.attributes.list =
+        attributes.into_iter().map(|given| given.of(counts[0], counts[1])).collect::<PyResult<_>>()?;
     Ok(soup)
 }
 
-/// The vertices, triangles, names of regions and regions of a file.
-#[pyfunction]
-#[expect(clippy::type_complexity, reason = "a tuple of arrays")]
-fn load<'py>(
-    py: Python<'py>,
-    path: PathBuf,
-    format: Option<&str>,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, Vec<String>, Bound<'py, PyArray1<i64>>)> {
-    let format = format.map(str::parse).transpose().map_err(of_value)?;
-    let soup = py.detach(|| loading::read_as(&path, format)).map_err(of_load)?;
+/// Triangles as Python's `Surface` has them: vertices, triangles, regions, names of regions, attributes of vertices and of corners.
+type Arrays<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<i64>>,
+    Bound<'py, PyArray1<i64>>,
+    Vec<String>,
+    Named<'py>,
+    Named<'py>,
+);
+
+fn arrays(py: Python<'_>, soup: Soup) -> PyResult<Arrays<'_>> {
     let triangles = soup.triangles.as_flattened().iter().map(|&v| i64::from(v)).collect();
     let mut regions = soup.regions.of_face;
     regions.resize(soup.triangles.len(), 0);
+    let (of_vertices, of_corners) = named(py, soup.attributes.list, &soup.triangles)?;
     Ok((
         flat(py, soup.points.into_flattened(), 3)?,
         flat(py, triangles, 3)?,
-        soup.regions.names,
         integers(py, regions.into_iter().map(i64::from)),
+        soup.regions.names,
+        of_vertices,
+        of_corners,
     ))
 }
 
-/// Writes quads and triangles to a file.
+/// The triangles of a file, and the names of what was not read.
+#[pyfunction]
+fn load<'py>(py: Python<'py>, path: PathBuf, format: Option<&str>) -> PyResult<(Arrays<'py>, Vec<String>)> {
+    let format = format.map(str::parse).transpose().map_err(of_value)?;
+    let mut soup = py.detach(|| loading::read_as(&path, format)).map_err(of_load)?;
+    let left_out = std::mem::take(&mut soup.attributes.left_out);
+    Ok((arrays(py, soup)?, left_out))
+}
+
+/// An example surface.
+#[pyfunction]
+fn example<'py>(py: Python<'py>, name: &str, triangles: usize) -> PyResult<Arrays<'py>> {
+    let example = name.parse::<Example>().map_err(of_value)?;
+    if !Example::TRIANGLES.contains(&triangles) {
+        let (least, most) = Example::TRIANGLES.into_inner();
+        return Err(of_value(format!(
+            "invalid value '{triangles}' for triangles: ask for {least} to {most} triangles"
+        )));
+    }
+    arrays(py, py.detach(|| example.generate(triangles)))
+}
+
+/// Writes triangles to a file; the answer is a warning.
 #[pyfunction]
 fn save(
     py: Python<'_>,
     path: PathBuf,
     format: Option<&str>,
     vertices: PyReadonlyArray2<'_, f64>,
-    quads: PyReadonlyArray2<'_, i64>,
     triangles: PyReadonlyArray2<'_, i64>,
     regions: Option<Regions<'_>>,
-) -> PyResult<()> {
-    let mut mesh = Mesh::new(points(&vertices, "vertices")?);
-    let count = mesh.points.len();
-    rows::<4>(&quads, count, "quads")?.iter().for_each(|face| mesh.push_face(face));
-    rows::<3>(&triangles, count, "triangles")?.iter().for_each(|face| mesh.push_face(face));
-    if let Some(regions) = regions {
-        mesh.regions = regions.of(mesh.face_count())?;
-    }
-    written(py, &path, format, &MeshFile::from(&mesh))
+    attributes: Vec<Given<'_>>,
+) -> PyResult<Option<String>> {
+    let format = format_of(&path, format)?;
+    let soup = soup(&vertices, &triangles, regions, attributes)?;
+    written(py, &path, format, &soup.attributes, || write_mesh(&path, format, &MeshFile::from(&soup)))
 }
 
-fn written(py: Python<'_>, path: &Path, format: Option<&str>, file: &MeshFile) -> PyResult<()> {
-    let format = match format {
-        Some(format) => format.parse::<Format>(),
-        None => Format::from_extension(path),
-    };
-    let format = format.map_err(of_value)?;
-    py.detach(|| write_mesh(path, format, file)).map_err(error::of_write)
+fn format_of(path: &Path, format: Option<&str>) -> PyResult<Format> {
+    format.map_or_else(|| Format::from_extension(path), str::parse).map_err(of_value)
+}
+
+/// Writes a file; the answer tells which attributes it does not hold.
+fn written(
+    py: Python<'_>,
+    path: &Path,
+    format: Format,
+    attributes: &Attributes,
+    write: impl FnOnce() -> Result<(), WriteError> + Send,
+) -> PyResult<Option<String>> {
+    py.detach(write).map_err(error::of_write)?;
+    Ok(of_attributes(attributes, format, &path.display().to_string()))
 }
 
 /// The command line: does what the arguments ask for, and returns the exit code.
@@ -234,5 +301,5 @@ fn option_names() -> Vec<&'static str> {
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::{Cancelled, Meshed, SurfaceError, command_line, load, mesh, option_names, save};
+    use super::{Cancelled, Meshed, SurfaceError, command_line, example, load, mesh, option_names, save};
 }

@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Optional
 
@@ -87,6 +88,140 @@ def test_regions_keep_their_faces() -> None:
         mesh(CORNERS, CUBE, regions=[0, 1, 0])
 
 
+SEAM = 5 / 16
+
+
+def seamed() -> quadmosaic.Surface:
+    """The unit square with a temperature, colours, and texture coordinates that jump at x = 5 / 16."""
+    x, y = (axis.ravel() / 16 for axis in np.meshgrid(np.arange(17), np.arange(17), indexing="ij"))
+    vertices = np.stack([x, y, 0 * x], axis=1)
+    a = (17 * np.arange(16)[:, np.newaxis] + np.arange(16)).ravel()
+    triangles = np.concatenate([np.stack([a, a + 17, a + 18], axis=1), np.stack([a, a + 18, a + 1], axis=1)])
+    corners = vertices[triangles]
+    right = corners[:, :, 0].mean(axis=1) > SEAM
+    texture = corners[:, :, :2] + 3.0 * right[:, np.newaxis, np.newaxis]
+    attributes = {"heat": x + 2 * y, "RGB": np.stack([x, y, 0 * x], axis=1)}
+    regions = np.zeros(len(triangles), dtype=np.int64)
+    return quadmosaic.Surface(vertices, triangles, regions, [], attributes, {"TCoords": texture.reshape(-1, 2)})
+
+
+def corners_of(result: quadmosaic.Result) -> Any:
+    return np.concatenate([result.quads.ravel(), result.triangles.ravel()])
+
+
+def test_attributes_of_vertices_and_corners_are_those_of_the_place() -> None:
+    surface = seamed()
+    kept, plain = (quadmosaic.mesh(surface, points=300, backend="cpu", keep_uv=keep) for keep in (True, False))
+    for result in (kept, plain):
+        x, y, _ = result.vertices.T
+        assert result.attributes["heat"].shape == x.shape
+        assert np.allclose(result.attributes["heat"], x + 2 * y, atol=1e-12)
+        assert np.allclose(result.attributes["RGB"], np.stack([x, y, 0 * x], axis=1), atol=1e-12)
+        assert result.attributes["TCoords"].shape == (len(x), 2)
+        # The place of a vertex gives the same.
+        at = surface.vertices[surface.triangles[result.source]]
+        assert np.allclose((at * result.barycentric[:, :, np.newaxis]).sum(axis=1), result.vertices, atol=1e-9)
+    corners, texture = corners_of(kept), kept.corner_attributes["TCoords"]
+    assert texture.shape == (len(corners), 2) == (4 * len(kept.quads) + 3 * len(kept.triangles), 2)
+    shift = texture - kept.vertices[corners, :2]
+    right, left = (np.abs(shift - side).max(axis=1) < 1e-9 for side in (3.0, 0.0))
+    # With keep_uv each face has one side's coordinates; without it some face lies across the seam.
+    by_quad = right[: 4 * len(kept.quads)].reshape(-1, 4)
+    assert (left | right).all() and (by_quad.all(axis=1) | ~by_quad.any(axis=1)).all()
+
+    def across(result: quadmosaic.Result) -> int:
+        xs = result.vertices[result.quads, 0]
+        return int(((xs < SEAM - 1e-9).any(axis=1) & (xs > SEAM + 1e-9).any(axis=1)).sum())
+
+    assert across(kept) == 0 < across(plain)
+    # Other numbers, or none.
+    moved = mesh(surface.vertices, surface.triangles, 300, attributes={"heat": -surface.attributes["heat"]})
+    assert not np.allclose(moved.attributes["heat"], moved.vertices @ [1, 2, 0])
+    assert mesh(CORNERS, CUBE).attributes == {} == mesh(CORNERS, CUBE).corner_attributes
+
+
+def test_wrong_attributes_are_refused() -> None:
+    surface = seamed()
+    for attributes, message in [
+        ({"heat": [1.0, 2.0]}, "the attribute heat has 2 rows for 8 vertices"),
+        ({"heat": np.zeros((8, 0))}, "heat has no columns"),
+        ({"heat": ["hot"] * 8}, "heat has the type <U3; give real numbers"),
+        ({"heat": np.zeros((8, 1, 1))}, "heat has 3 dimensions"),
+        ({"RGB": 255 * CORNERS}, "the colours RGB are not from 0 to 1"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            mesh(CORNERS, CUBE, attributes=attributes)
+    assert mesh(CORNERS, CUBE, attributes={"RGB": CORNERS}).attributes["RGB"].max() == 1.0
+    with pytest.raises(ValueError, match="has 36 rows for 24 corners"):
+        mesh(CORNERS, CUBE[:8], corner_attributes={"TCoords": np.zeros((36, 2))})
+    with pytest.raises(ValueError, match="triangles cannot be used with a Surface"):
+        mesh(surface, surface.triangles)
+    with pytest.raises(ValueError, match="triangles are missing"):
+        quadmosaic.mesh(CORNERS, points=100)
+
+
+def test_attributes_survive_files(tmp_path: Path) -> None:
+    surface = seamed()
+    path = tmp_path / "plate.obj"
+    with pytest.warns(quadmosaic.MeshWarning, match="not carried to .*plate.obj: heat; ply, vtk and vtu hold"):
+        quadmosaic.save(path, surface)
+    read = quadmosaic.load(path)
+    assert np.array_equal(read.triangles, surface.triangles) and list(read.corner_attributes) == ["TCoords"]
+    assert np.array_equal(read.corner_attributes["TCoords"], surface.corner_attributes["TCoords"])
+    assert np.array_equal(read.attributes["RGB"], surface.attributes["RGB"])
+    path = tmp_path / "plate.ply"
+    quadmosaic.save(path, replace(surface, corner_attributes={}))
+    assert np.array_equal(quadmosaic.load(path).attributes["heat"], surface.attributes["heat"])
+
+    result = quadmosaic.mesh(surface, points=300, backend="cpu", keep_uv=True)
+    with pytest.warns(quadmosaic.MeshWarning, match="heat"):
+        quadmosaic.save(tmp_path / "mesh.obj", result)
+    again = quadmosaic.load(tmp_path / "mesh.obj")
+    corners = np.concatenate([result.quads[:, [0, 1, 2]].ravel(), result.triangles.ravel()])
+    assert len(again.corner_attributes["TCoords"]) >= len(corners)
+    quadmosaic.save(tmp_path / "mesh.ply", result, with_source=True)
+    with pytest.warns(quadmosaic.MeshWarning, match="not read from .*mesh.ply: source_triangle$"):
+        again = quadmosaic.load(tmp_path / "mesh.ply")
+    assert np.allclose(again.attributes["heat"], result.attributes["heat"])
+    assert np.allclose(np.stack([again.attributes[f"source_barycentric_{k}"] for k in range(3)], 1), result.barycentric)
+    quadmosaic.save(tmp_path / "bare.ply", result)
+    assert not any("source" in name for name in quadmosaic.load(tmp_path / "bare.ply").attributes)
+    with pytest.raises(ValueError, match="with_source goes with ply, vtk and vtu"):
+        quadmosaic.save(tmp_path / "mesh.stl", result, with_source=True)
+    with pytest.raises(ValueError, match="with_source cannot be used with a Surface"):
+        quadmosaic.save(tmp_path / "mesh.ply", surface, with_source=True)
+
+
+def test_arrays_that_are_not_read_are_warned_of(tmp_path: Path) -> None:
+    path = tmp_path / "cube.vtk"
+    quadmosaic.save(path, mesh(CORNERS, CUBE, 100))
+    with pytest.warns(quadmosaic.MeshWarning, match="not read from .*cube.vtk: .*shape"):
+        quadmosaic.load(path)
+
+
+def test_keep_uv_is_that_of_the_command_line(tmp_path: Path) -> None:
+    surface = replace(seamed(), attributes={})
+    path, ours, theirs = (tmp_path / name for name in ("plate.obj", "ours.obj", "theirs.obj"))
+    quadmosaic.save(path, surface)
+    quadmosaic.save(ours, quadmosaic.mesh(quadmosaic.load(path), points=300, backend="cpu", keep_uv=True))
+    done = command("mesh", str(path), "--points", "300", "--backend", "cpu", "--keep-uv", "-o", str(theirs), "-q")
+    assert done.returncode == 0 and ours.read_bytes() == theirs.read_bytes()
+    done = command("mesh", str(path), "--points", "300", "--backend", "cpu", "-o", str(theirs), "-q")
+    assert done.returncode == 0 and ours.read_bytes() != theirs.read_bytes()
+
+
+def test_examples_are_those_of_the_command_line(tmp_path: Path) -> None:
+    ours, theirs = tmp_path / "ours.off", tmp_path / "theirs.off"
+    for name in ["m6", "torus", "sphere", "plate", "block"]:
+        quadmosaic.save(ours, quadmosaic.example(name, 600))
+        assert command("example", name, "--triangles", "600", "-o", str(theirs)).returncode == 0
+        assert ours.read_bytes() == theirs.read_bytes()
+    with pytest.raises(ValueError, match="no example surface \"cone\"; choose one of m6"):
+        quadmosaic.example("cone")
+    with pytest.raises(ValueError, match="ask for 1 to 20000000 triangles"):
+        quadmosaic.example("m6", 0)
+
+
 FORMATS = ["obj", "ply", "stl", "off", "vtk", "vtu", "msh", "msh22", "su2", "inp", "bdf", "glb"]
 
 
@@ -101,6 +236,8 @@ def test_files_are_those_of_the_command_line(tmp_path: Path, format: str) -> Non
     assert done.returncode == 0 and done.stderr == ""
     assert ours.read_bytes() == theirs.read_bytes()
     if format in ["obj", "ply", "stl", "off", "vtk", "vtu", "msh"]:
+        # Arrays of faces and integers of vertices are not read again, and the warning says so.
+        warnings.simplefilter("ignore", quadmosaic.MeshWarning)
         assert len(quadmosaic.load(ours, format=format).triangles) > 100
 
 
@@ -287,15 +424,18 @@ def test_threads_share_a_backend_and_get_the_same_mesh() -> None:
 
 
 def test_other_packages_take_the_mesh() -> None:
-    result = mesh(CORNERS, CUBE)
+    result = mesh(CORNERS, CUBE, attributes={"heat": CORNERS[:, 0], "kind": CORNERS[:, 1]})
     faces = len(result.quads) + len(result.triangles)
     pyvista = pytest.importorskip("pyvista")
+    assert list(result.to_pyvista().point_data) == ["heat", "kind", "source"]
     assert result.to_pyvista().n_cells == faces and result.to_pyvista().volume == pytest.approx(1.0, abs=1e-6)
     assert pyvista is not None
     pytest.importorskip("trimesh")
+    assert np.allclose(result.to_trimesh().vertex_attributes["heat"], result.vertices[:, 0])
     assert result.to_trimesh().is_watertight and result.to_trimesh().volume == pytest.approx(1.0)
     pytest.importorskip("meshio")
     cells = result.to_meshio().cells
+    assert np.array_equal(result.to_meshio().point_data["kind"], result.kind)
     assert sum(len(block.data) for block in cells) == faces and cells[0].type == "quad"
 
 

@@ -7,12 +7,8 @@ use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::load::{self, Format};
 use std::fmt;
 use std::io;
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-
-/// The numbers of triangles that an example can be asked for.
-pub const TRIANGLES: RangeInclusive<usize> = 1..=20_000_000;
 
 /// The arguments that name a surface.
 #[derive(Args)]
@@ -127,6 +123,9 @@ impl FromStr for Input {
 
 /// A number of triangles that an example can be asked for.
 pub fn triangles(text: &str) -> Result<usize, String> {
-    let (least, most) = TRIANGLES.into_inner();
-    text.parse().ok().filter(|count| TRIANGLES.contains(count)).ok_or(format!("ask for {least} to {most} triangles"))
+    let (least, most) = Example::TRIANGLES.into_inner();
+    text.parse()
+        .ok()
+        .filter(|count| Example::TRIANGLES.contains(count))
+        .ok_or(format!("ask for {least} to {most} triangles"))
 }

@@ -52,6 +52,14 @@ pub trait Backend: Send + Sync {
     /// What it runs on: the adapter's name, or the number of threads.
     fn adapter(&self) -> String;
 
+    /// Asks whether the run goes on.
+    ///
+    /// # Errors
+    /// Where it was cancelled.
+    fn check(&self) -> Result<(), ComputeError> {
+        Ok(())
+    }
+
     /// Lays out, or uploads, the levels of a linear problem, finest first. Level `start` gets these values; the others have
     /// the values of their fixed unknowns, and zero elsewhere.
     ///

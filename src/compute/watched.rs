@@ -18,6 +18,10 @@ impl Backend for Watched<'_> {
         self.backend.adapter()
     }
 
+    fn check(&self) -> Result<(), ComputeError> {
+        Ok(self.progress.check()?)
+    }
+
     fn multigrid<'a>(
         &'a self,
         levels: &'a [Level],

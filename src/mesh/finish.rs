@@ -31,7 +31,7 @@ pub struct Finished {
 }
 
 /// Gives the faces of a compacted mesh their regions, joins its sheets where they meet, and compares the result with the surface.
-/// `opposed` lists the faces that point against the nearest triangles.
+/// `opposed` lists the faces that point against the nearest triangles. Cancelled, it compares nothing.
 pub(crate) fn finish(
     context: &Context,
     mesh: &SurfaceMesh,
@@ -54,11 +54,11 @@ pub(crate) fn finish(
     }
     let opposed: FxHashSet<u32> = opposed.iter().copied().collect();
     let inverted = (0..).zip(&order).filter(|(_, face)| opposed.contains(face)).map(|(face, _)| face);
-    let uncovered = uncovered(&joined, surface);
+    let uncovered = if context.is_cancelled() { None } else { uncovered(&joined, surface) };
     let all = (0..).zip(attributes(context, mesh, mosaic)).filter(|&(v, _)| first[v] as usize == v);
     let (points, vertices) = all.map(|(_, known)| known).unzip();
     joined.points = points;
-    let mut faults = check_joined(&joined, &branches);
+    let mut faults = if context.is_cancelled() { Faults::default() } else { check_joined(&joined, &branches) };
     let differences = differences_from(faults.topology(), surface).into_iter().chain(uncovered).collect();
     faults.list.extend(inverted.map(|face| Fault {
         kind: Kind::FlippedFace { face },

@@ -119,6 +119,7 @@ impl Laying<'_> {
             Rows::Continuous => Some(GridMetric::new(surface, &parametrization)),
             Rows::Paper => field.stretch().map(|_| GridMetric::of_transitions(&parametrization)),
         };
+        backend.check()?;
         let points = match (rows, &metric) {
             (Rows::Continuous, Some(metric)) => continuous_integer_grid(surface, field, &parametrization, metric, h),
             _ => integer_grid(surface, field, &parametrization, h),
@@ -127,12 +128,15 @@ impl Laying<'_> {
         if tiles.is_empty() && rows == Rows::Paper {
             tiles = seed::seed(surface, field, h);
         }
+        backend.check()?;
         let curve_parameters = CurveParameters::new(surface, field, &parametrization);
         let mosaic = Mosaic::new(surface, field, h, curve_parameters, tiles);
+        backend.check()?;
+        let is_cancelled = || backend.check().is_err();
         let mosaic = match rows {
             _ if is_relaxed => insert_delete::insert_and_delete(surface, field, &mosaic),
-            Rows::Paper => insert_delete::delete_crowded(&mosaic, insert_delete::CROWDED),
-            Rows::Continuous => insert_delete::delete_crowded(&mosaic, DOUBLE),
+            Rows::Paper => insert_delete::delete_crowded(&mosaic, insert_delete::CROWDED, &is_cancelled),
+            Rows::Continuous => insert_delete::delete_crowded(&mosaic, DOUBLE, &is_cancelled),
         };
         if let Some(metric) = &mut metric {
             metric.keep_cones(mosaic.free().iter().map(|tile| tile.position));

@@ -8,6 +8,7 @@ use crate::compute::cpu::relax::{Sight, see};
 use crate::compute::{Tile, cell};
 use crate::field::Field;
 use crate::geometry::dot;
+use crate::progress::IsCancelled;
 use crate::surface::{Surface, WALK_EDGES, walk};
 use rayon::prelude::*;
 
@@ -21,7 +22,7 @@ const OTHER_SIDE: f32 = -0.5;
 
 /// Deletes crowded tiles, then inserts tiles at empty lattice points, in the order of ids.
 pub fn insert_and_delete(surface: &Surface, field: &Field, mosaic: &Mosaic) -> Mosaic {
-    let mut result = delete_crowded(mosaic, CROWDED);
+    let mut result = delete_crowded(mosaic, CROWDED, &|| false);
     let more = at_empty_points(surface, field, &result);
     result.tiles.extend(more);
     result
@@ -32,7 +33,7 @@ fn cell_of(tiles: &[Tile]) -> f32 {
 }
 
 /// The mosaic without the tiles that have an earlier one within `crowded_within` along both axes, in tile sides.
-pub(super) fn delete_crowded(mosaic: &Mosaic, crowded_within: f32) -> Mosaic {
+pub(super) fn delete_crowded(mosaic: &Mosaic, crowded_within: f32, is_cancelled: &IsCancelled) -> Mosaic {
     let tiles = &mosaic.tiles;
     let longest = mosaic.longest();
     let grid = Grid::build(|i| tiles[i].position, tiles.len(), longest * cell_of(tiles));
@@ -41,7 +42,7 @@ pub(super) fn delete_crowded(mosaic: &Mosaic, crowded_within: f32) -> Mosaic {
         .with_min_len(256)
         .map(|id| {
             let mut others = Vec::new();
-            if id >= mosaic.sides {
+            if id >= mosaic.sides && !is_cancelled() {
                 grid.around(tiles[id].position, |other| {
                     let crowds = (other as usize) < id
                         && see_anisotropic(&tiles[id], mosaic.factor(id), &tiles[other as usize], longest)

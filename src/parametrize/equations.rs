@@ -5,6 +5,7 @@ use crate::compute::{Complex, ComputeError, Link, add, conjugate};
 use crate::field::Sectors;
 use crate::solver::{Hierarchy, Problem, Terms};
 use crate::surface::{Surface, next, previous};
+use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::f64::consts::TAU;
 
@@ -33,10 +34,14 @@ pub struct Graph<'a> {
 pub fn equations(graph: &Graph) -> Result<Hierarchy, ComputeError> {
     let right_hand_side = graph.fixed.iter().map(|&fixed| [f32::from(fixed), 0.0]).collect();
     let free = vec![0.0; graph.fixed.len()];
-    Hierarchy::units(
-        graph.problem(|transition, k| (TAU * transition.wanted[k]).sin_cos(), right_hand_side, &free),
-        SWEEPS,
-    )
+    // Two rows read each.
+    let turns = graph
+        .transitions
+        .par_iter()
+        .with_min_len(512)
+        .map(|transition| transition.wanted.map(|wanted| (TAU * wanted).sin_cos()));
+    let turns: Vec<[(f64, f64); 2]> = turns.collect();
+    Hierarchy::units(graph.problem(|h, k| turns[h][k], right_hand_side, &free), SWEEPS)
 }
 
 /// The equations of the offsets of the coordinates, after which the steps are the wanted ones in the sense of least squares.
@@ -139,11 +144,11 @@ impl Graph<'_> {
         self.sectors.edge_weight(half_edge) * self.stiffness.get(half_edge as usize / 3).unwrap_or(&1.0)
     }
 
-    /// Links each unknown along all half-edges. `turn` is the sine and cosine of the angle of a transition's link, `held` the
-    /// weight of each unknown's constraint.
+    /// Links each unknown along all half-edges. `turn` is the sine and cosine of the angle of a half-edge's link in a direction,
+    /// `held` the weight of each unknown's constraint.
     fn problem(
         &self,
-        turn: impl Fn(&Transition, usize) -> (f64, f64) + Sync,
+        turn: impl Fn(usize, usize) -> (f64, f64) + Sync,
         right_hand_side: Vec<Complex>,
         held: &[f32],
     ) -> Problem {
@@ -153,7 +158,7 @@ impl Graph<'_> {
         // From direction `k` of the sector where a half-edge begins to the unknown at its end.
         let link = |h: u32, k: u32, end: Unknowns| {
             let transition = transitions[h as usize];
-            let (s, c) = turn(&transition, k as usize);
+            let (s, c) = turn(h as usize, k as usize);
             let w = self.weight(h);
             Link { neighbour: along(end, k + transition.quarters).0, weight: [(w * c) as f32, (-w * s) as f32] }
         };

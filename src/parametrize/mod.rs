@@ -125,6 +125,7 @@ impl<'a> Parametrization<'a> {
         backend: &dyn Backend,
     ) -> Result<Self, ComputeError> {
         let transitions = transitions::transitions(surface, field, side);
+        backend.check()?;
         let released_ends = match rows {
             Rows::Paper => FxHashSet::default(),
             Rows::Continuous => releasable_ends(surface, field.sectors()),
@@ -172,7 +173,7 @@ impl<'a> Parametrization<'a> {
         finer: u32,
         backend: &dyn Backend,
     ) -> Result<RowEnds, ComputeError> {
-        let ends = self.cancel_row_ends(surface, rows, finer);
+        let ends = self.cancel_row_ends(surface, rows, finer, backend)?;
         match rows {
             Rows::Paper => self.solve_offsets(surface, &[], backend)?,
             Rows::Continuous => {
@@ -190,6 +191,7 @@ impl<'a> Parametrization<'a> {
 
     /// Solves for the coordinates again, with the same jumps.
     fn solve_offsets(&mut self, surface: &Surface, cones: &[Cone], backend: &dyn Backend) -> Result<(), ComputeError> {
+        backend.check()?;
         let values = equations::offsets(surface, self, cones).solve(backend)?;
         for (coordinates, pair) in self.coordinates.iter_mut().zip(&self.unknowns) {
             for k in 0..2 {

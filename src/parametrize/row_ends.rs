@@ -11,6 +11,8 @@
 
 use super::transitions::turned;
 use super::{Parametrization, Rows};
+use crate::compute::{Backend, ComputeError};
+use crate::progress::ASKED_EVERY;
 use crate::surface::{Surface, previous};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -120,7 +122,16 @@ const NOWHERE: u32 = u32::MAX;
 impl Parametrization<'_> {
     /// Cancels the ends of rows: all of them where rows are continuous, else those with a cheap path. Afterwards the coordinates
     /// must be solved for again.
-    pub(super) fn cancel_row_ends(&mut self, surface: &Surface, rows: Rows, finer: u32) -> RowEnds {
+    ///
+    /// # Errors
+    /// Where the run is cancelled.
+    pub(super) fn cancel_row_ends(
+        &mut self,
+        surface: &Surface,
+        rows: Rows,
+        finer: u32,
+        backend: &dyn Backend,
+    ) -> Result<RowEnds, ComputeError> {
         let triangles = surface.triangle_count() as u32;
         let sinks: Vec<bool> = (0..triangles).map(|t| self.quarters_around(t) != 0).collect();
         let charges: Vec<[i32; 2]> =
@@ -172,16 +183,17 @@ impl Parametrization<'_> {
         };
         let mut path_edges = 0;
         loop {
-            let crossed = flow.round(if rows == Rows::Paper { MOST_COST / f64::from(finer) } else { f64::INFINITY });
+            let most = if rows == Rows::Paper { MOST_COST / f64::from(finer) } else { f64::INFINITY };
+            let crossed = flow.round(most, backend)?;
             path_edges += crossed;
             if crossed == 0 {
                 break;
             }
         }
         if rows == Rows::Continuous {
-            path_edges += flow.make_cones_integer();
+            path_edges += flow.make_cones_integer(backend)?;
         }
-        RowEnds { before, after: count(&flow.charges), path_edges }
+        Ok(RowEnds { before, after: count(&flow.charges), path_edges })
     }
 
     /// Quarter turns by which the axes turn around a triangle.
@@ -210,8 +222,9 @@ impl Parametrization<'_> {
 impl Flow<'_, '_> {
     /// Grows paths from all charges at once and cancels those that meet first, up to the price `most` of both paths together;
     /// how many edges were crossed.
-    fn round(&mut self, most: f64) -> usize {
+    fn round(&mut self, most: f64, backend: &dyn Backend) -> Result<usize, ComputeError> {
         let mut heap = BinaryHeap::new();
+        let mut asked = 0;
         let starts: Vec<State> = (0..).zip(&self.charges).flat_map(|(t, &charge)| states_of(t, charge)).collect();
         for (label, &state) in (0..).zip(&starts) {
             self.reach(state, 0.0, None, label);
@@ -224,6 +237,10 @@ impl Flow<'_, '_> {
             let cost = f64::from_bits(bits);
             if cost > most {
                 break;
+            }
+            asked += 1;
+            if asked % ASKED_EVERY == 0 {
+                backend.check()?;
             }
             let label = |flow: &Self, state: State| flow.label[state.index()] as usize;
             match event {
@@ -242,7 +259,7 @@ impl Flow<'_, '_> {
                         let together = cost + self.cost[opposite.index()];
                         heap.push(Reverse((together.to_bits(), Event::Met(state, opposite))));
                     }
-                    self.grow(state, cost, |there, event| heap.push(Reverse((there.to_bits(), event))));
+                    self.grow(state, cost, most, |there, event| heap.push(Reverse((there.to_bits(), event))));
                 }
                 Event::Met(a, b) => {
                     let [one, other] = [a, b].map(|state| label(self, state));
@@ -259,14 +276,14 @@ impl Flow<'_, '_> {
             }
         }
         self.reset_search();
-        crossed
+        Ok(crossed)
     }
 
-    /// Reaches what lies beside a state.
-    fn grow(&mut self, state: State, cost: f64, mut push: impl FnMut(f64, Event)) {
+    /// Reaches what lies beside a state up to the price `most`.
+    fn grow(&mut self, state: State, cost: f64, most: f64, mut push: impl FnMut(f64, Event)) {
         for h in 3 * state.triangle()..3 * state.triangle() + 3 {
             let there = cost + f64::from(self.prices[h as usize][state.direction() as usize]);
-            if there.is_infinite() {
+            if there.is_infinite() || there > most {
                 continue;
             }
             match self.surface.twin(h) {
@@ -290,9 +307,10 @@ impl Flow<'_, '_> {
     }
 
     /// Moves a charge from one cone with half-integer coordinates to the next one, until all have integers.
-    fn make_cones_integer(&mut self) -> usize {
+    fn make_cones_integer(&mut self, backend: &dyn Backend) -> Result<usize, ComputeError> {
         let mut crossed = 0;
         for t in (0..self.sinks.len() as u32).filter(|&t| self.sinks[t as usize]).collect::<Vec<_>>() {
+            backend.check()?;
             if self.is_half_integer(t) {
                 let end = self.search(State::new(t, 0), |flow, state| {
                     flow.sinks[state.triangle() as usize]
@@ -303,7 +321,7 @@ impl Flow<'_, '_> {
                 self.reset_search();
             }
         }
-        crossed
+        Ok(crossed)
     }
 
     /// Whether the cone in a triangle has half-integer coordinates.
@@ -322,7 +340,8 @@ impl Flow<'_, '_> {
                 Event::Reached(state) if cost > self.cost[state.index()] => {}
                 Event::Reached(state) if state != start && takes(self, state) => return Some(End::Inside(state)),
                 Event::Reached(state) => {
-                    self.grow(state, cost, |there, event| heap.push(Reverse((there.to_bits(), event))));
+                    let push = |there: f64, event| heap.push(Reverse((there.to_bits(), event)));
+                    self.grow(state, cost, f64::INFINITY, push);
                 }
                 Event::Left(state, h) => return Some(End::Outside(state, h)),
                 Event::Met(..) => {}

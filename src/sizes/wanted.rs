@@ -2,6 +2,7 @@
 
 use super::growth::Growth;
 use super::{SizeSample, Sizes, SizesError};
+use crate::progress::IsCancelled;
 use crate::surface::Surface;
 use crate::surface::curvature::{curvatures_above, radius_of_tile};
 use crate::surface::girth::girths;
@@ -59,15 +60,15 @@ impl SizeOptions {
             options: self,
             samples: self.spread(surface),
             turns: self.turns(surface, side),
-            girths: if is_thin { self.girths(surface, side) } else { None },
+            girths: if is_thin { self.girths(surface, side, &|| false) } else { None },
             limits: None,
         }
     }
 
     /// The sides of tiles that thin parts ask for, at each vertex, where other tiles have this side, all in unit-sized coordinates;
     /// `None` without thin parts.
-    pub(crate) fn thin_sides(&self, surface: &Surface, side: f64) -> Option<Vec<f64>> {
-        let girths = self.girths(surface, side)?;
+    pub(crate) fn thin_sides(&self, surface: &Surface, side: f64, is_cancelled: &IsCancelled) -> Option<Vec<f64>> {
+        let girths = self.girths(surface, side, is_cancelled)?;
         let mut sides: Vec<f64> = girths.iter().map(|girth| self.thin_side(side, *girth)).collect();
         Growth::new(surface).limit(&mut sides, self.growth - 1.0);
         Some(sides)
@@ -117,16 +118,16 @@ impl SizeOptions {
     fn turns(&self, surface: &Surface, side: f64) -> Option<Vec<f64>> {
         let angle = self.curvature?.to_radians();
         // Bends as narrow as half a tile are seen; what turns by less than half the angle in a tile does not matter.
-        let curvatures = curvatures_above(surface, radius_of_tile(side / 2.0), angle / (2.0 * side));
+        let curvatures = curvatures_above(surface, radius_of_tile(side / 2.0), angle / (2.0 * side), &|| false);
         Some(curvatures.iter().map(|bend| bend.values[0].abs()).collect())
     }
 
     /// The girth of thin parts at each vertex, infinity elsewhere; `None` without thin parts.
-    fn girths(&self, surface: &Surface, side: f64) -> Option<Vec<f64>> {
+    fn girths(&self, surface: &Surface, side: f64, is_cancelled: &IsCancelled) -> Option<Vec<f64>> {
         if self.around == 0.0 {
             return None;
         }
-        let mut girths = girths(surface, (self.around * side) as f32, side as f32);
+        let mut girths = girths(surface, (self.around * side) as f32, side as f32, is_cancelled);
         // A part has the girth at which the least number of tiles cover it.
         for (girth, area) in girths.iter_mut().zip(surface.areas_of_parts()) {
             let least = (area / LEAST_TILES).sqrt();

@@ -8,6 +8,7 @@
 //! not joined inside the wall.
 
 use super::{Frame, NONE, Repairs, SurfaceError, next, previous};
+use crate::progress::Progress;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -29,8 +30,10 @@ pub(super) fn orient(
     triangles: &mut [[u32; 3]],
     frame: &Frame,
     repairs: &mut Repairs,
+    progress: &Progress,
 ) -> Result<Adjacency, SurfaceError> {
     let Pairs { mut pairs, mut joints, inside_walls } = pair(points, triangles, frame, repairs);
+    progress.check()?;
     let mut turned = turn_alike(points, triangles, &mut pairs, &mut joints, frame)?;
     if !joints.is_empty() {
         for joint in &joints {
@@ -44,6 +47,7 @@ pub(super) fn orient(
     for (triangle, _) in triangles.iter().zip(&turned).filter(|&(_, &turned)| turned) {
         repairs.flipped_triangles.note(|| frame.near(points[triangle[0] as usize].as_dvec3().into()));
     }
+    progress.check()?;
     let twins = pairs;
     let mut seams = joints.concat();
     seams.sort_unstable();

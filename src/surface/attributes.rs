@@ -20,6 +20,12 @@ impl AttributeKind {
             Self::Numbers => "numbers",
         }
     }
+
+    /// The kind of an attribute of this name: three components called `RGB` are a colour, two called `TCoords` texture coordinates.
+    pub fn of(name: &str, components: usize) -> Self {
+        let is = |kind: &Self| kind.name() == name && components == if *kind == Self::Colour { 3 } else { 2 };
+        [Self::Colour, Self::Texture].into_iter().find(is).unwrap_or(Self::Numbers)
+    }
 }
 
 /// Tuples of numbers, one a vertex, or shared by corners of faces.

@@ -15,6 +15,7 @@ use super::fine::Fine;
 use super::given::Given;
 use super::walk::{next_corner, previous_corner};
 use super::{DroppedEdge, FeatureOptions, Features, NONE, Surface, next, previous};
+use crate::progress::{ASKED_EVERY, Progress};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 use std::iter::successors;
@@ -119,11 +120,14 @@ struct Coarsening {
 
 impl Surface {
     /// A coarser surface for tiles of a side, unit-sized.
-    pub(crate) fn coarsened(mut self, side: f64, options: &FeatureOptions) -> Self {
+    pub(crate) fn coarsened(mut self, side: f64, options: &FeatureOptions, progress: &Progress) -> Self {
         self.fine = Some(Arc::new(Fine::new(&self, side)));
+        if progress.is_cancelled() {
+            return self;
+        }
         let mut coarsening = Coarsening::new(self, TOLERANCE * side);
-        coarsening.collapse_all(LONGEST * side);
-        coarsening.flip_all();
+        coarsening.collapse_all(LONGEST * side, progress);
+        coarsening.flip_all(progress);
         coarsening.finish(options)
     }
 }
@@ -192,7 +196,7 @@ impl Coarsening {
     }
 
     /// Collapses edges up to a length, the shortest first.
-    fn collapse_all(&mut self, longest: f64) {
+    fn collapse_all(&mut self, longest: f64, progress: &Progress) {
         let half_edges = 0..3 * self.surface.triangle_count() as u32;
         let mut lengths: Vec<f64> = half_edges.map(|h| self.surface.length(h)).collect();
         let tenth = lengths.len() / 10;
@@ -202,6 +206,9 @@ impl Coarsening {
         loop {
             for _ in 0..SWEEPS {
                 for v in 0..self.leaving.len() as u32 {
+                    if (v as usize).is_multiple_of(ASKED_EVERY) && progress.is_cancelled() {
+                        return;
+                    }
                     if self.leaving[v as usize] == NONE || self.is_fixed[v as usize] {
                         continue;
                     }
@@ -354,13 +361,13 @@ impl Coarsening {
     }
 
     /// Flips plain edges between triangles in one plane until they are Delaunay.
-    fn flip_all(&mut self) {
+    fn flip_all(&mut self, progress: &Progress) {
         let half_edges = 0..3 * self.surface.triangle_count() as u32;
         let mut stack: Vec<u32> = half_edges.filter(|&h| !self.is_dead[h as usize / 3]).collect();
         let mut budget = 10 * stack.len();
         let mut ring = Vec::new();
         while let Some(h) = stack.pop() {
-            if budget == 0 {
+            if budget == 0 || stack.len().is_multiple_of(ASKED_EVERY) && progress.is_cancelled() {
                 return;
             }
             if self.gains(h, &mut ring) {
@@ -475,6 +482,7 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::progress::unwatched;
     use crate::surface::Soup;
     use crate::surface::examples::Example;
     use crate::surface::nearest::squared_distance;
@@ -516,19 +524,22 @@ mod tests {
     fn a_coarse_sphere_is_one_within_some_tolerances() {
         let fine = example("sphere", 40_000);
         let side = 0.2;
-        let coarse = fine.clone().coarsened(side, &FeatureOptions::default());
+        let coarse = fine.clone().coarsened(side, &FeatureOptions::default(), &Progress::new(&unwatched));
         assert!(4 * coarse.triangle_count() < fine.triangle_count(), "{}", coarse.triangle_count());
         assert_eq!((euler(&coarse), faults(&coarse)), (2, vec![]));
         let far = distance(&fine, &coarse);
         assert!(far > 0.0 && far < 4.0 * TOLERANCE * side, "{far} is below four tolerances of {}", TOLERANCE * side);
-        assert_eq!(fine.clone().coarsened(1e-6, &FeatureOptions::default()).triangle_count(), fine.triangle_count());
+        assert_eq!(
+            fine.clone().coarsened(1e-6, &FeatureOptions::default(), &Progress::new(&unwatched)).triangle_count(),
+            fine.triangle_count()
+        );
     }
 
     #[test]
     fn a_block_keeps_its_corners_and_edges_and_loses_the_rest() {
         let fine = example("block", 20_000);
         let side = 0.2;
-        let coarse = fine.clone().coarsened(side, &FeatureOptions::default());
+        let coarse = fine.clone().coarsened(side, &FeatureOptions::default(), &Progress::new(&unwatched));
         assert!(4 * coarse.triangle_count() < fine.triangle_count(), "{}", coarse.triangle_count());
         assert_eq!((euler(&coarse), faults(&coarse)), (euler(&fine), vec![]));
         let corners = |surface: &Surface| {
@@ -551,7 +562,7 @@ mod tests {
         let soup = Soup { points, triangles: (0..200).flat_map(cell).collect(), ..Soup::default() };
         let fine = surface(&soup);
         let side = 1.0 / fine.frame().diagonal;
-        let coarse = fine.clone().coarsened(side, &FeatureOptions::default());
+        let coarse = fine.clone().coarsened(side, &FeatureOptions::default(), &Progress::new(&unwatched));
         assert_eq!((euler(&coarse), faults(&coarse)), (1, vec![]));
         assert!((coarse.area() / fine.area() - 1.0).abs() < 1e-5);
         let longest = 0.9 * side;

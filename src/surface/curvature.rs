@@ -20,6 +20,7 @@
 //! times: docs/experiments.md, surface.
 
 use super::{NONE, Surface, next_corner, previous_corner};
+use crate::progress::IsCancelled;
 use glam::{DMat3, DVec3, Mat3, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -56,18 +57,24 @@ pub(crate) fn radius_of_tile(side: f64) -> f64 {
 /// The curvatures at each vertex, averaged over a disc of this radius (unit-sized coordinates) about it; it is at least
 /// that of a tile of the vertex' shortest edge, so that bends are not seen one edge at a time.
 pub(crate) fn curvatures(surface: &Surface, radius: f64) -> Vec<Curvature> {
-    curvatures_above(surface, radius, 0.0)
+    curvatures_above(surface, radius, 0.0, &|| false)
 }
 
 /// As [`curvatures`], but where the surface is sure to bend less than `least` the values are zero.
-pub(crate) fn curvatures_above(surface: &Surface, radius: f64, least: f64) -> Vec<Curvature> {
+pub(crate) fn curvatures_above(
+    surface: &Surface,
+    radius: f64,
+    least: f64,
+    is_cancelled: &IsCancelled,
+) -> Vec<Curvature> {
     let measure = Measure::new(surface, radius);
     let seeds = measure.seeds(&measure.settled(least));
     let measured: Vec<Vec<Bend>> = seeds
         .par_chunks(seeds.len().div_ceil(64).max(1))
         .map(|seeds| {
             let mut flood = Flood::new(surface);
-            seeds.iter().map(|&seed| measure.bend(&mut flood, seed)).collect()
+            let left = seeds.iter().take_while(|_| !is_cancelled());
+            left.map(|&seed| measure.bend(&mut flood, seed)).collect()
         })
         .collect();
     let mut tensors = vec![(DMat3::ZERO, 0.0); surface.vertex_count()];

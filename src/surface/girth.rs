@@ -10,6 +10,7 @@ use super::turning::WithoutBarriers;
 use super::walk::{WALK_EDGES, walk_through};
 use super::{Surface, SurfacePoint};
 use crate::geometry::{cross, unit};
+use crate::progress::{ASKED_EVERY, IsCancelled};
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -32,10 +33,11 @@ const SHORTEST: f32 = 0.01;
 const SPACING: f32 = 1.0 / 3.0;
 
 /// The girth at each vertex, in unit-sized coordinates, where it is at most `most`; infinity elsewhere.
-pub(crate) fn girths(surface: &Surface, most: f32, side: f32) -> Vec<f64> {
+pub(crate) fn girths(surface: &Surface, most: f32, side: f32, is_cancelled: &IsCancelled) -> Vec<f64> {
     let mut girths = vec![f64::INFINITY; surface.vertex_count()];
-    let tested = spread(surface, SPACING * side, most);
-    let found: Vec<f32> = tested.par_iter().with_min_len(64).map(|&triangle| girth(surface, triangle, most)).collect();
+    let tested = spread(surface, SPACING * side, most, is_cancelled);
+    let found = |&triangle: &u32| if is_cancelled() { f32::INFINITY } else { girth(surface, triangle, most) };
+    let found: Vec<f32> = tested.par_iter().with_min_len(64).map(found).collect();
     for (&triangle, girth) in tested.iter().zip(found).filter(|(_, girth)| *girth > SHORTEST * side) {
         for v in surface.triangles[triangle as usize] {
             girths[v as usize] = girths[v as usize].min(f64::from(girth));
@@ -45,7 +47,7 @@ pub(crate) fn girths(surface: &Surface, most: f32, side: f32) -> Vec<f64> {
 }
 
 /// One triangle of each cell of this size and each octant of normals, of those that have an opposite within half of `most`.
-fn spread(surface: &Surface, cell: f32, most: f32) -> Vec<u32> {
+fn spread(surface: &Surface, cell: f32, most: f32, is_cancelled: &IsCancelled) -> Vec<u32> {
     let directions = Directions::new();
     let (middles, kinds): (Vec<Vec3>, Vec<u32>) = (0..surface.triangle_count() as u32)
         .into_par_iter()
@@ -56,6 +58,9 @@ fn spread(surface: &Surface, cell: f32, most: f32) -> Vec<u32> {
     let reach = most / 2.0;
     let mut seen_in: FxHashMap<IVec3, u32> = FxHashMap::default();
     for (t, kind) in kinds.iter().enumerate() {
+        if t.is_multiple_of(ASKED_EVERY) && is_cancelled() {
+            return Vec::new();
+        }
         // A large triangle passes several cells: lines along its longest side.
         let corners = surface.corners(t);
         let length = |k: usize| corners[k].distance(corners[(k + 1) % 3]);
@@ -85,6 +90,9 @@ fn spread(surface: &Surface, cell: f32, most: f32) -> Vec<u32> {
         let n = surface.normal(t as usize);
         seen.insert((at(middles[t as usize], cell), [n.x > 0.0, n.y > 0.0, n.z > 0.0]))
     };
+    if is_cancelled() {
+        return Vec::new();
+    }
     let spread: Vec<u32> = (0..surface.triangle_count() as u32).filter(is_first).collect();
     spread.into_iter().filter(|&t| has_opposite(t)).collect()
 }
@@ -182,7 +190,7 @@ mod tests {
     /// The girths that are found where `most` and `side` are in model units; infinite ones are left out.
     fn found(surface: &Surface, most: f64, side: f64) -> Vec<f64> {
         let diagonal = surface.frame().diagonal;
-        let girths = girths(surface, (most / diagonal) as f32, (side / diagonal) as f32);
+        let girths = girths(surface, (most / diagonal) as f32, (side / diagonal) as f32, &|| false);
         girths.into_iter().filter(|girth| girth.is_finite()).map(|girth| girth * diagonal).collect()
     }
 

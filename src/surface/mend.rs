@@ -8,21 +8,29 @@
 use super::repairs::Limits;
 use super::weld::{Welded, frame, weld};
 use super::{RepairOptions, Soup, SurfaceError, holes, imprint, parts, sew};
+use crate::progress::Progress;
 
 /// Welds the soup, and repairs it as asked; the side of a tile is in model units.
 ///
 /// # Errors
-/// Where nothing is left to mesh, or a length of the options is none.
-pub(super) fn mended(soup: &Soup, options: &RepairOptions, side: f64) -> Result<Welded, SurfaceError> {
+/// Where nothing is left to mesh, a length of the options is none, or the run is cancelled.
+pub(super) fn mended(
+    soup: &Soup,
+    options: &RepairOptions,
+    side: f64,
+    progress: &Progress,
+) -> Result<Welded, SurfaceError> {
     let (frame, used) = frame(soup)?;
     let limits = Limits::new(options, frame.diagonal, side)?;
-    let mut welded = weld(soup, frame, &used, limits.weld);
+    let mut welded = weld(soup, frame, &used, limits.weld, progress)?;
     if let Some(tolerance) = limits.weld {
         sew::sew(&mut welded, tolerance);
+        progress.check()?;
         if options.imprint {
             imprint::imprint(&mut welded, tolerance);
         }
     }
+    progress.check()?;
     parts::drop_small(&mut welded, limits.drop_parts)?;
     if let Some(limit) = limits.fill_holes {
         holes::fill(&mut welded, limit);

@@ -60,6 +60,7 @@ pub use repairs::{Length, LengthError, Places, RepairOptions, Repairs};
 pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
 
 use crate::geometry::{cross, dot, unit};
+use crate::progress::{Cancelled, Progress, unwatched};
 use crate::sets::Sets;
 use adjacency::Adjacency;
 use fine::Fine;
@@ -227,6 +228,9 @@ pub enum SurfaceError {
         /// The number of points.
         points: usize,
     },
+    /// The run was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// A coordinate is NaN or infinite, or the extent overflows.
     #[error("point {point} has a coordinate that is not finite or too large to compute with")]
     NotFinite {
@@ -291,10 +295,23 @@ impl Surface {
         repairs: &RepairOptions,
         side: f64,
     ) -> Result<Self, SurfaceError> {
-        let Welded { frame, points, mut triangles, sources, mut repairs } = mend::mended(soup, repairs, side)?;
+        Self::repaired_watched(soup, options, repairs, side, &Progress::new(&unwatched))
+    }
+
+    /// As [`Surface::repaired`]; cancelled, it is an error.
+    pub(crate) fn repaired_watched(
+        soup: &Soup,
+        options: &FeatureOptions,
+        repairs: &RepairOptions,
+        side: f64,
+        progress: &Progress,
+    ) -> Result<Self, SurfaceError> {
+        let Welded { frame, points, mut triangles, sources, mut repairs } =
+            mend::mended(soup, repairs, side, progress)?;
         let mut points: Vec<Vec3> = points.iter().map(|&p| on_grid(p)).collect();
         let Adjacency { mut twins, seams: mut named, same_place } =
-            adjacency::orient(&mut points, &mut triangles, &frame, &mut repairs)?;
+            adjacency::orient(&mut points, &mut triangles, &frame, &mut repairs, progress)?;
+        progress.check()?;
         if options.texture_seams {
             named.extend(seams::seams(soup, &sources, &triangles, &twins, &points, &frame));
             named.sort_unstable();
@@ -302,7 +319,9 @@ impl Surface {
         }
         let regions = soup.regions.of(&sources);
         let given = Given::new(soup, &sources, &triangles, &points, &frame);
+        progress.check()?;
         caps::flip(&points, &mut triangles, &mut twins, &named, &frame, &mut repairs);
+        progress.check()?;
         let features = Features::default();
         let mut surface = Self {
             points,
@@ -355,27 +374,41 @@ impl Surface {
     /// The same surface with the features for tiles of side `h`, unit-sized: noise is smoothed, creases that do not persist are
     /// dropped, turns that a curve takes back within a tile are no corners, and ridges become edges.
     pub fn fitted(self, options: &FeatureOptions, h: f32) -> Self {
-        self.fitted_to(options, h, None)
+        self.fitted_to(options, h, None, &Progress::new(&unwatched))
     }
 
     /// As [`Surface::fitted`], with creases that persist for tiles of `sides`, unit-sized, at the vertices, where these are given.
-    pub(crate) fn fitted_to(mut self, options: &FeatureOptions, h: f32, sides: Option<&[f64]>) -> Self {
-        self.drop_creases(options, f64::from(h), sides);
+    /// Cancelled, it leaves out what is left to do.
+    pub(crate) fn fitted_to(
+        mut self,
+        options: &FeatureOptions,
+        h: f32,
+        sides: Option<&[f64]>,
+        progress: &Progress,
+    ) -> Self {
+        self.drop_creases(options, f64::from(h), sides, progress);
         let before = self.points.clone();
         for _ in 0..denoise::MOST_ROUNDS {
-            if options.every_crease || !denoise::is_noisy(&self, &self.dropped, f64::from(h)) {
+            if options.every_crease || progress.is_cancelled() || !denoise::is_noisy(&self, &self.dropped, f64::from(h))
+            {
                 break;
             }
             self.points = denoise::smoothed(&self, f64::from(h));
             self.denoised = Some(Denoised::of(&before, &self));
             self.features = Features::find(&self, options);
-            self.drop_creases(options, f64::from(h), sides);
+            self.drop_creases(options, f64::from(h), sides, progress);
+        }
+        if progress.is_cancelled() {
+            return self;
         }
         self.given.follow(&before, &self.points, &self.frame);
         self.features.apexes = apexes::apexes(&self, f64::from(h));
+        if progress.is_cancelled() {
+            return self;
+        }
         self.features = Features::along(&self, self.features.marked(), options.corner, f64::from(h));
-        if options.ridge < 180.0 {
-            let lines = ridges::ridges(&self, f64::from(h), options.ridge);
+        if options.ridge < 180.0 && !progress.is_cancelled() {
+            let lines = ridges::ridges(&self, f64::from(h), options.ridge, &|| progress.is_cancelled());
             if !lines.is_empty() {
                 let split = split::Split::along(&self, &lines);
                 let places = self.points.len() as u32..split.points.len() as u32;
@@ -386,18 +419,27 @@ impl Surface {
     }
 
     /// Drops the creases that do not persist for tiles of a side, unit-sized, and bridges gaps between the others.
-    fn drop_creases(&mut self, options: &FeatureOptions, side: f64, sides: Option<&[f64]>) {
+    fn drop_creases(&mut self, options: &FeatureOptions, side: f64, sides: Option<&[f64]>, progress: &Progress) {
         self.dropped.clear();
         let mut marked = self.features.marked();
         for is_last in [false, true] {
+            if progress.is_cancelled() {
+                return;
+            }
             self.features = Features::along(self, marked, options.corner, side);
+            if progress.is_cancelled() {
+                return;
+            }
             let persistent = persistence::persistent(self, options, side, sides);
             let known = self.dropped.iter().map(|edge| edge.crease + 1).max().unwrap_or(0);
             let dropped = persistent.dropped.into_iter();
             self.dropped.extend(dropped.map(|edge| DroppedEdge { crease: known + edge.crease, ..edge }));
             marked = persistent.marked;
+            if progress.is_cancelled() {
+                return;
+            }
             self.features = Features::along(self, marked.clone(), options.corner, side);
-            if is_last || options.every_crease {
+            if is_last || options.every_crease || progress.is_cancelled() {
                 break;
             }
             for h in bridges::bridges(self, side) {

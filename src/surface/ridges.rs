@@ -21,6 +21,7 @@
 use super::curvature::{Curvature, curvatures_above, radius_of_tile};
 use super::split::EdgePoint;
 use super::{NONE, Surface, next, previous};
+use crate::progress::IsCancelled;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -37,9 +38,12 @@ const MARGIN: f64 = 0.01;
 const STRAIGHTENED: usize = 20;
 
 /// The ridges for tiles of side `h`, unit-sized, on which the surface turns by more than `limit` degrees a tile.
-pub(super) fn ridges(surface: &Surface, h: f64, limit: f64) -> Vec<Vec<EdgePoint>> {
+pub(super) fn ridges(surface: &Surface, h: f64, limit: f64, is_cancelled: &IsCancelled) -> Vec<Vec<EdgePoint>> {
     let limit = limit.to_radians();
-    let field = Bending::new(surface, h, FOLLOWED * limit);
+    let field = Bending::new(surface, h, FOLLOWED * limit, is_cancelled);
+    if is_cancelled() {
+        return Vec::new();
+    }
     let mut lines = field.lines(FOLLOWED * limit);
     lines.retain(|line| line.iter().any(|&place| field.strength(place) >= limit));
     lines.retain(|line| length(surface, line) >= SHORTEST * h);
@@ -131,8 +135,8 @@ struct Bending<'a> {
 }
 
 impl<'a> Bending<'a> {
-    fn new(surface: &'a Surface, h: f64, least: f64) -> Self {
-        let bends = curvatures_above(surface, radius_of_tile(h), least / h);
+    fn new(surface: &'a Surface, h: f64, least: f64, is_cancelled: &IsCancelled) -> Self {
+        let bends = curvatures_above(surface, radius_of_tile(h), least / h, is_cancelled);
         let turns: Vec<f64> = bends.iter().map(|bend| bend.values[0].abs() * h).collect();
         let slopes = slopes(surface, &bends, &turns);
         Self { surface, turns, across: bends.iter().map(|bend| bend.directions[0]).collect(), slopes }

@@ -1,6 +1,7 @@
 //! Merges points at one place, and drops degenerate triangles and repeated ones.
 
 use super::{Frame, Repairs, Soup, SurfaceError, caps};
+use crate::progress::{ASKED_EVERY, Cancelled, Progress};
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::hash_map::Entry;
@@ -71,18 +72,27 @@ pub(super) fn frame(soup: &Soup) -> Result<(Frame, Vec<bool>), SurfaceError> {
 
 /// Merges used points no farther apart than `tolerance`, in diagonals, or at one place; drops triangles without area and
 /// repeated ones.
-pub(super) fn weld(soup: &Soup, frame: Frame, used: &[bool], tolerance: Option<f64>) -> Welded {
+pub(super) fn weld(
+    soup: &Soup,
+    frame: Frame,
+    used: &[bool],
+    tolerance: Option<f64>,
+    progress: &Progress,
+) -> Result<Welded, Cancelled> {
     let mut repairs = Repairs::default();
     for (point, _) in soup.points.iter().zip(used).filter(|&(_, &used)| !used) {
         repairs.unused_points.note(|| *point);
     }
-    let (place, points) =
-        join(soup, used, &frame, tolerance.unwrap_or_else(|| rounding(soup, used, &frame)).max(WELD), &mut repairs);
+    let tolerance = tolerance.unwrap_or_else(|| rounding(soup, used, &frame)).max(WELD);
+    let (place, points) = join(soup, used, &frame, tolerance, &mut repairs, progress)?;
     let mut seen: FxHashMap<[u32; 3], usize> = FxHashMap::default();
     let mut triangles: Vec<[u32; 3]> = Vec::with_capacity(soup.triangles.len());
     let mut sources = Vec::with_capacity(soup.triangles.len());
     let mut doubled = Vec::new();
     for (source, given) in (0..).zip(&soup.triangles) {
+        if (source as usize).is_multiple_of(ASKED_EVERY) {
+            progress.check()?;
+        }
         let corners = given.map(|index| place[index as usize]);
         let [a, b, c] = corners;
         let first = || soup.points[given[0] as usize];
@@ -106,14 +116,16 @@ pub(super) fn weld(soup: &Soup, frame: Frame, used: &[bool], tolerance: Option<f
             Entry::Occupied(_) => repairs.duplicate_triangles.note(first),
         }
     }
-    doubled.sort_unstable();
-    doubled.dedup();
-    for t in doubled.into_iter().rev() {
-        repairs.degenerate_triangles.note(|| soup.points[soup.triangles[sources[t] as usize][0] as usize]);
-        triangles.remove(t);
-        sources.remove(t);
+    if !doubled.is_empty() {
+        doubled.sort_unstable();
+        doubled.dedup();
+        for &t in &doubled {
+            repairs.degenerate_triangles.note(|| soup.points[soup.triangles[sources[t] as usize][0] as usize]);
+        }
+        let kept = |t: &usize| doubled.binary_search(t).is_err();
+        (triangles, sources) = (0..triangles.len()).filter(kept).map(|t: usize| (triangles[t], sources[t])).unzip();
     }
-    Welded { frame, points, triangles, sources, repairs }
+    Ok(Welded { frame, points, triangles, sources, repairs })
 }
 
 fn frame_of(soup: &Soup, used: &[bool]) -> Result<Frame, SurfaceError> {
@@ -153,13 +165,23 @@ pub(super) fn single_step(mut coordinates: impl Iterator<Item = f64>) -> Option<
 
 /// The index of each used point among the joined points, and these, in unit-sized coordinates. Joined points are farther
 /// apart than the tolerance.
-fn join(soup: &Soup, used: &[bool], frame: &Frame, tolerance: f64, repairs: &mut Repairs) -> (Vec<u32>, Vec<DVec3>) {
+fn join(
+    soup: &Soup,
+    used: &[bool],
+    frame: &Frame,
+    tolerance: f64,
+    repairs: &mut Repairs,
+    progress: &Progress,
+) -> Result<(Vec<u32>, Vec<DVec3>), Cancelled> {
     let cell = 4.0 * tolerance;
     let mut points: Vec<DVec3> = Vec::new();
     let mut cells: FxHashMap<[i64; 3], Vec<u32>> = FxHashMap::default();
     let mut place = vec![super::NONE; soup.points.len()];
     let mut widest: f64 = 0.0;
     for (index, point) in soup.points.iter().enumerate().filter(|&(i, _)| used[i]) {
+        if index.is_multiple_of(ASKED_EVERY) {
+            progress.check()?;
+        }
         let p = DVec3::from(frame.to_unit(*point));
         let [low, high] = [p - tolerance, p + tolerance].map(|q| (q / cell).floor().as_i64vec3().to_array());
         let mut found = None;
@@ -183,5 +205,5 @@ fn join(soup: &Soup, used: &[bool], frame: &Frame, tolerance: f64, repairs: &mut
         };
     }
     repairs.largest_gap = widest * frame.diagonal;
-    (place, points)
+    Ok((place, points))
 }

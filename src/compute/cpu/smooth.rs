@@ -2,11 +2,19 @@
 //!
 //! # Practice
 //! Sums are written term by term, `s + a * b - c * d`: lavapipe (Mesa 22.3.6) takes `s + (a * b - c * d)` apart in just that
-//! way, and would give other bits than Rust.
+//! way, and would give other bits than Rust. `s + a * b + c * -d` has the same bits; with it both parts of a number are
+//! computed at once.
 
-use crate::compute::{Complex, Level, target};
+use crate::compute::{Complex, Level, MIRRORED, target};
+
+/// A value, conjugate where a link is mirrored: no branch, as which it is changes from link to link.
+#[inline]
+fn read([x, y]: Complex, neighbour: u32) -> Complex {
+    [x, f32::from_bits(y.to_bits() ^ (neighbour & MIRRORED))]
+}
 
 /// What is left of `wanted` once a row's part of the values is taken off; nothing on a fixed one.
+#[inline]
 pub(crate) fn remainder(wanted: Complex, level: &Level, values: &[Complex], i: usize) -> Complex {
     let diagonal = level.rows[i].diagonal;
     if diagonal == 0.0 {
@@ -15,9 +23,8 @@ pub(crate) fn remainder(wanted: Complex, level: &Level, values: &[Complex], i: u
     let z = values[i];
     let [mut x, mut y] = [wanted[0] - diagonal * z[0], wanted[1] - diagonal * z[1]];
     for link in level.links_of(i) {
-        let (w, z) = (link.weight, values[link.index()]);
-        let z = [z[0], if link.is_mirrored() { -z[1] } else { z[1] }];
-        x = x + w[0] * z[0] - w[1] * z[1];
+        let (w, z) = (link.weight, read(values[link.index()], link.neighbour));
+        x = x + w[0] * z[0] + w[1] * -z[1];
         y = y + w[0] * z[1] + w[1] * z[0];
     }
     [x, y]

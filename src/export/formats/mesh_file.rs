@@ -5,6 +5,7 @@ use crate::mesh::transfer::{Source, SourceTree};
 use crate::mesh::{Mesh, VertexAttributes};
 use crate::surface::{Attribute, AttributeKind, Regions, Soup};
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -64,15 +65,24 @@ impl MeshFile {
     /// The same with the attributes of the triangles that the surface was made of, and, if that is asked for, with the place of each
     /// vertex on these.
     pub fn with_input(mut self, soup: &Soup, with_source: bool) -> Self {
-        if with_source || !soup.attributes.list.is_empty() {
-            let tree = SourceTree::new(soup);
-            self.sources = tree.sources(&self.mesh.points);
-            self.attributes = tree.attributes(&self.mesh, &self.sources);
+        if !with_source && soup.attributes.list.is_empty() {
+            return self;
         }
-        if !with_source {
-            self.sources = Vec::new();
-        }
-        self
+        let tree = SourceTree::new(soup);
+        let sources = tree.sources(&self.mesh.points);
+        self.attributes = tree.attributes(&self.mesh, &sources);
+        if with_source { self.with_sources(sources) } else { self }
+    }
+
+    /// The same with attributes: first a tuple a vertex, then those of corners that differ from their vertex, as
+    /// [`SourceTree::attributes`] gives them for [`MeshFile::mesh`].
+    pub fn with_attributes(self, attributes: Vec<Attribute>) -> Self {
+        Self { attributes, ..self }
+    }
+
+    /// The same with the place of each vertex on the input.
+    pub fn with_sources(self, sources: Vec<Source>) -> Self {
+        Self { sources, ..self }
     }
 
     /// The first attribute of a kind.
@@ -217,6 +227,47 @@ impl From<&Mesh> for MeshFile {
     }
 }
 
+impl From<&Soup> for MeshFile {
+    /// Triangles with their attributes.
+    fn from(soup: &Soup) -> Self {
+        let Soup { points, triangles, regions, attributes } = soup;
+        let mesh = Mesh::from(Soup { regions: regions.clone(), ..Soup::new(points.clone(), triangles.clone()) });
+        let order = file_order(&mesh);
+        let attributes = attributes.list.iter().map(|attribute| at_vertices_first(attribute, soup, &order)).collect();
+        Self { mesh: in_order(&mesh, &order), attributes, ..Self::default() }
+    }
+}
+
+/// An attribute of triangles in an order, with a tuple a vertex first: that of the first corner there, of zeros where it has none.
+fn at_vertices_first(attribute: &Attribute, soup: &Soup, order: &[usize]) -> Attribute {
+    if attribute.of_corners.is_empty() {
+        return attribute.clone();
+    }
+    let components = attribute.components;
+    let mut first: Vec<Option<&[f64]>> = vec![None; soup.points.len()];
+    let corners = || {
+        let of_triangle = |&t: &usize| (0..3).map(move |k| (soup.triangles[t][k], attribute.of_corners[3 * t + k]));
+        order.iter().flat_map(of_triangle).map(|(vertex, number)| (vertex, attribute.tuple(number)))
+    };
+    for (vertex, tuple) in corners() {
+        first[vertex as usize].get_or_insert(tuple);
+    }
+    let zeros = vec![0.0; components];
+    let mut values = first.iter().flat_map(|tuple| tuple.unwrap_or(&zeros)).copied().collect::<Vec<f64>>();
+    let mut more: FxHashMap<(u32, Vec<u64>), u32> = FxHashMap::default();
+    let of_corners = corners().map(|(vertex, tuple)| {
+        if first[vertex as usize] == Some(tuple) {
+            return vertex;
+        }
+        *more.entry((vertex, tuple.iter().map(|x| x.to_bits()).collect())).or_insert_with(|| {
+            values.extend(tuple);
+            (values.len() / components) as u32 - 1
+        })
+    });
+    let of_corners = of_corners.collect();
+    Attribute { values, of_corners, ..attribute.clone() }
+}
+
 /// The kinds of faces, in the order of files.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
@@ -237,14 +288,24 @@ impl Kind {
 
 /// The same mesh with its faces by region, and within a region quads, then triangles, then larger faces; else in their order.
 pub fn ordered(mesh: &Mesh) -> Mesh {
+    in_order(mesh, &file_order(mesh))
+}
+
+/// The faces in the order of files.
+fn file_order(mesh: &Mesh) -> Vec<usize> {
     let region = |face: usize| mesh.regions.of_face.get(face).copied().unwrap_or(0);
     let mut order: Vec<usize> = (0..mesh.face_count()).collect();
     order.sort_by_key(|&face| (region(face), Kind::of(mesh.face(face))));
+    order
+}
+
+fn in_order(mesh: &Mesh, order: &[usize]) -> Mesh {
     let mut sorted = Mesh::new(mesh.points.clone());
     order.iter().for_each(|&face| sorted.push_face(mesh.face(face)));
-    if !mesh.regions.of_face.is_empty() {
-        let of_face = order.iter().map(|&face| region(face)).collect();
-        sorted.regions = Regions { names: mesh.regions.names.clone(), of_face };
+    let Regions { names, of_face } = &mesh.regions;
+    if !of_face.is_empty() {
+        let of_face = order.iter().map(|&face| of_face.get(face).copied().unwrap_or(0)).collect();
+        sorted.regions = Regions { names: names.clone(), of_face };
     }
     sorted
 }
@@ -267,6 +328,23 @@ mod tests {
         assert_eq!(file.groups(), [Group { name: "", quads: 0..0, triangles: 0..1, polygons: 1..2 }]);
         assert_eq!(file.mesh().face(1), [0, 1, 4, 2, 3]);
         assert!(MeshFile::default().groups().is_empty());
+    }
+
+    #[test]
+    fn triangles_keep_the_values_of_their_corners_in_any_order_of_regions() {
+        let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [9.0; 3]];
+        let mut soup = Soup::new(points, vec![[0, 1, 2], [0, 2, 3]]);
+        soup.regions = Regions { names: vec!["a".to_owned(), "b".to_owned()], of_face: vec![1, 0] };
+        // Vertex 0 has two values, vertex 2 has the same one twice.
+        let values = [0.0, 1.0, 2.0, 7.0, 2.0, 3.0].iter().flat_map(|&u| [u, -u]).collect();
+        let texture = Attribute::of_vertices("", AttributeKind::Texture, 2, values);
+        soup.attributes.list = vec![Attribute { of_corners: (0..6).collect(), ..texture }];
+        let file = MeshFile::from(&soup);
+        assert_eq!(file.mesh().faces().collect::<Vec<_>>(), [[0, 2, 3], [0, 1, 2]]);
+        let found = file.attribute(AttributeKind::Texture).expect("it is there");
+        assert_eq!(found.of_corners, [0, 2, 3, 5, 1, 2]);
+        assert_eq!(found.values, [7.0, -7.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(file.split_at_seams().mesh().points.len(), 6);
     }
 
     #[test]

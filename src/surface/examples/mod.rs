@@ -11,6 +11,7 @@ mod sphere;
 mod strip;
 mod torus;
 
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 pub use m6::M6Options;
@@ -46,6 +47,9 @@ impl Example {
 
     /// The number of triangles to ask for when there is no reason to ask for another.
     pub const DEFAULT_TRIANGLES: usize = 20_000;
+
+    /// The numbers of triangles that a user may ask for.
+    pub const TRIANGLES: RangeInclusive<usize> = 1..=20_000_000;
 
     /// Triangulates this surface with about `triangles` triangles: within 20 % from 500 to 1,000,000. Fewer than 500 give
     /// the coarsest triangulation that still shows the shape.
