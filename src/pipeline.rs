@@ -261,6 +261,8 @@ const MOST_PARTS: usize = 8;
 
 /// The most times that a mesh with faults is made again, with smaller tiles there.
 const REFINEMENTS: usize = 5;
+/// Where it leaves more faults than this, and more than two thirds of them, it is not made again.
+const MANY: usize = 10;
 /// The most times of the asked count, or of [`LEAST_RAISED`] where that is more, to which this raises it.
 const MOST_RAISED: usize = 8;
 const LEAST_RAISED: usize = 300;
@@ -296,10 +298,14 @@ pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch)
         let (refined, next) = attempt(prepared, options, backend, clock)?;
         (sizing, surface, places) = (refined, next.surface.clone(), next.meshed.faulty_places());
         let times = zip(&best.times, &next.times).map(|(before, after)| (before.0, before.1 + after.1)).collect();
+        let is_futile = next.meshed.wrong() > MANY.max(2 * best.meshed.wrong() / 3);
         if next.meshed.wrong() < best.meshed.wrong() {
             best = next;
         }
         best.times = times;
+        if is_futile {
+            break;
+        }
     }
     Ok(best)
 }

@@ -395,3 +395,26 @@ fn all_quads_are_all_quads_and_clean() {
         assert!(Quality::of(&most.meshed.mesh).qr < 1.0, "{name}: it takes asking for all");
     }
 }
+
+/// A sphere of radius 1, and inside it one that is smaller by `thickness` and looks inward.
+fn shell(thickness: f64) -> Soup {
+    let mut soup = example("sphere", 2_000);
+    let first = soup.points.len() as u32;
+    let inner: Vec<[f64; 3]> = soup.points.iter().map(|p| p.map(|x| (1.0 - thickness) * x)).collect();
+    soup.points.extend(inner);
+    soup.triangles.extend(soup.triangles.clone().iter().map(|&[a, b, c]| [a + first, c + first, b + first]));
+    soup
+}
+
+#[test]
+fn a_thin_wall_gets_smaller_tiles_and_a_thick_one_the_asked_count() {
+    let asked = 300;
+    for (thickness, is_raised) in [(0.01, true), (0.3, false)] {
+        let outcome = run(&shell(thickness), &Options::new(Fineness::Points(asked)), &Cpu, &unwatched).expect("a mesh");
+        let faults = &outcome.meshed.faults;
+        assert!(faults.is_clean(), "{thickness}: {faults}");
+        let vertices = outcome.meshed.mesh.points.len();
+        assert_eq!(outcome.mosaic.wanted > asked, is_raised, "{thickness}: {}", outcome.mosaic.wanted);
+        assert_eq!(vertices > 2 * asked, is_raised, "{thickness}: {vertices}");
+    }
+}

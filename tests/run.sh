@@ -10,7 +10,7 @@ trap 'rm -f "$log"' EXIT
 passed=0 failed=0 skipped=0
 check() {
     local what=$1; shift
-    echo "== $what"
+    echo "== $what, after $SECONDS s"
     if "$@"; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED $what"; fi
 }
 skip() {
@@ -39,19 +39,19 @@ else
     skip "cargo fmt" "rustfmt is not installed (rustup component add rustfmt)"
 fi
 if cargo clippy --version >/dev/null 2>&1; then
-    check "cargo clippy" cargo clippy --release --all-targets -- -D warnings
-    check "cargo clippy, Python" cargo clippy --release -p quadmosaic-python -- -D warnings
+    check "cargo clippy" cargo clippy --release --workspace --all-targets -- -D warnings
 else
     skip "cargo clippy" "clippy is not installed (rustup component add clippy)"
 fi
 # The library alone compiles neither the GPU's crates nor those of the command line and the charts.
 library_alone() {
-    cargo build --release --lib --no-default-features &&
+    cargo check --release --lib --no-default-features &&
         ! cargo tree --edges normal --prefix none --no-default-features | grep -E '^(wgpu|clap|indicatif|plotters|png) '
 }
-check "cargo build --no-default-features" library_alone
+check "cargo check --no-default-features" library_alone
 if cargo clippy --version >/dev/null 2>&1; then
-    for feature in "" gpu picture page study; do
+    # `page` and `study` have `picture`.
+    for feature in "" gpu page study; do
         check "cargo clippy, features: ${feature:-none}" \
             cargo clippy --release --lib --no-default-features --features "$feature" -- -D warnings
     done
@@ -93,7 +93,7 @@ esac
 
 # One profile, so that the dependencies are built once. A test that skips itself says so in a line of its own, and
 # cargo counts it as passed: it is taken off there.
-echo "== cargo test"
+echo "== cargo test, after $SECONDS s"
 cargo test --release --no-fail-fast -- --show-output 2>&1 | tee "$log"
 status=${PIPESTATUS[0]}
 counts=$(awk '
@@ -111,5 +111,6 @@ read -r p f s <<<"$counts"
 if [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
 passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
 
+echo "$SECONDS s"
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]

@@ -130,6 +130,47 @@ fn an_inward_sphere_is_turned_outward() {
 }
 
 #[test]
+fn an_inward_sphere_inside_another_is_a_cavity_and_stays() {
+    let sphere = |scale: f64, shift: f64, is_inward: bool| {
+        let mut soup = example("sphere", 1_000);
+        soup.points.iter_mut().for_each(|p| *p = [scale * p[0] + shift, scale * p[1], scale * p[2]]);
+        if is_inward {
+            soup.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        soup
+    };
+    let turned = |parts: [Soup; 2]| {
+        let [mut both, other] = parts;
+        let first = both.points.len() as u32;
+        both.points.extend(other.points);
+        both.triangles.extend(other.triangles.iter().map(|corners| corners.map(|v| v + first)));
+        surface(&both).repairs().flipped_triangles.count
+    };
+    let count = example("sphere", 1_000).triangles.len();
+    assert_eq!(turned([sphere(1.0, 0.0, false), sphere(0.5, 0.0, true)]), 0);
+    assert_eq!(turned([sphere(1.0, 0.0, false), sphere(0.5, 0.0, false)]), 0, "a part inside another");
+    assert_eq!(turned([sphere(1.0, 0.0, false), sphere(0.5, 3.0, true)]), count, "beside the other");
+    assert_eq!(turned([sphere(1.0, 0.0, true), sphere(0.5, 0.0, true)]), count, "only the inner one bounds a cavity");
+}
+
+#[test]
+fn two_triangles_on_one_line_are_dropped_and_two_with_height_are_one() {
+    // Two triangles back to back over an edge: their third corner is its middle, or stands above it.
+    let soup = example("sphere", 1_000);
+    let [a, b, _] = soup.triangles[0];
+    let middle = |k: usize| (soup.points[a as usize][k] + soup.points[b as usize][k]) / 2.0;
+    for (height, [degenerate, repeated, joined]) in [(1.0, [2, 0, 0]), (1.2, [0, 1, 1])] {
+        let mut soup = soup.clone();
+        soup.points.push([0, 1, 2].map(|k| height * middle(k)));
+        let top = soup.points.len() as u32 - 1;
+        soup.triangles.extend([[a, b, top], [b, a, top]]);
+        let repairs = surface(&soup).repairs().clone();
+        let found = [&repairs.degenerate_triangles, &repairs.duplicate_triangles, &repairs.joined_edges];
+        assert_eq!(found.map(|places| places.count), [degenerate, repeated, joined], "{height}");
+    }
+}
+
+#[test]
 fn duplicates_and_degenerate_triangles_are_dropped_and_counted() {
     let clean = example("sphere", 1_000);
     let mut soup = clean.clone();

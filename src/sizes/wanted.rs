@@ -258,3 +258,41 @@ impl Wanted<'_> {
 fn relative(surface: &Surface, sides: &[f64], scale: f64) -> Result<Sizes, SizesError> {
     Sizes::from_vertices(surface, sides.iter().map(|side| (side / scale) as f32).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::FeatureOptions;
+    use crate::surface::examples::Example;
+    use glam::DVec3;
+
+    #[test]
+    fn refined_sides_are_half_at_the_places_and_the_count_is_held() {
+        let torus = "torus".parse::<Example>().expect("an example").generate(20_000);
+        let surface = Surface::new(&torus, &FeatureOptions::default()).expect("a surface");
+        let options = SizeOptions::default();
+        let (count, side) = (2_000, f64::from(Sizes::equal().side_for_count(&surface, 2_000)));
+        let place = surface.frame().near(surface.point(0));
+        let sides = |wanted: &Wanted| {
+            let sizes = wanted.sizes(&surface, count).expect("sizes");
+            let scale = f64::from(sizes.side_for_count(&surface, count));
+            let held = sizes.count_for_side(&surface, scale) / count as f64;
+            assert!((held - 1.0).abs() < 0.01, "{held}");
+            (0..surface.vertex_count() as u32).map(|v| scale * f64::from(sizes.at_vertex(v))).collect::<Vec<_>>()
+        };
+        let equal = options.on(&surface, side, false);
+        assert!(sides(&equal).iter().all(|found| (found / side - 1.0).abs() < 0.01));
+        let refined = equal.refined(&surface, count, &[place]).expect("sizes");
+        let found = sides(&refined);
+        let off = |v: u32| DVec3::from(surface.point(v)).distance(DVec3::from(surface.point(0))) / side;
+        for (v, found) in (0..).zip(&found) {
+            match off(v) {
+                near if near < 0.9 * REFINED => assert!(found / side < 0.51, "{near}: {found}"),
+                far if far > 10.0 => assert!(found / side > 0.99, "{far}: {found}"),
+                _ => {}
+            }
+        }
+        assert_eq!(refined.raised(&surface, count), Ok(count), "few tiles are more");
+        assert!(refined.raised(&surface, 200).expect("a count") > 200, "of few tiles the rest would be too large");
+    }
+}

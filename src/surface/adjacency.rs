@@ -24,7 +24,7 @@ pub(super) struct Adjacency {
     pub same_place: Vec<u32>,
 }
 
-/// Orients the triangles alike, closed components outward, gives each fan a vertex of its own and drops unused points.
+/// Orients the triangles alike, closed components outward and cavities inward, gives each fan a vertex of its own and drops unused points.
 pub(super) fn orient(
     points: &mut Vec<Vec3>,
     triangles: &mut [[u32; 3]],
@@ -184,10 +184,44 @@ fn edge_key(a: u32, b: u32) -> u64 {
     (u64::from(a.min(b)) << 32) | u64::from(a.max(b))
 }
 
-/// The triangles that must be reversed.
+/// A closed component.
+struct Solid {
+    triangles: Vec<usize>,
+    /// Six times its volume: negative where its triangles look inward.
+    volume: f64,
+    /// The corners of its bounding box.
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Solid {
+    fn new(points: &[Vec3], triangles: &[[u32; 3]], turned: &[bool], component: Vec<usize>) -> Self {
+        let corners = |t: usize| triangles[t].map(|v| points[v as usize]);
+        let volume = |&t: &usize| {
+            let [a, b, c] = corners(t).map(|p| p.as_dvec3());
+            a.dot(b.cross(c)) * if turned[t] { -1.0 } else { 1.0 }
+        };
+        let all = || component.iter().flat_map(|&t| corners(t));
+        Self {
+            volume: component.iter().map(volume).sum(),
+            low: all().fold(Vec3::INFINITY, Vec3::min),
+            high: all().fold(Vec3::NEG_INFINITY, Vec3::max),
+            triangles: component,
+        }
+    }
+
+    /// Whether its bounding box lies inside the other's.
+    fn is_inside(&self, outer: &Self) -> bool {
+        self.low.cmpgt(outer.low).all() && self.high.cmplt(outer.high).all()
+    }
+}
+
+/// The triangles that must be reversed: those of a component look the same way, and outward where it is closed. One that is given
+/// to look inward inside another one bounds a cavity, and stays.
 fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -> Result<Vec<bool>, SurfaceError> {
     let mut turned = vec![false; triangles.len()];
     let mut seen = vec![false; triangles.len()];
+    let mut solids = Vec::new();
     let origin = |h: u32| triangles[h as usize / 3][h as usize % 3];
     for first in 0..triangles.len() {
         if seen[first] {
@@ -218,19 +252,17 @@ fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -
                 }
             }
         }
-        if encloses(triangles, &turned, &open) {
-            let volume: f64 = component
-                .iter()
-                .map(|&t| {
-                    let [a, b, c] = triangles[t].map(|v| points[v as usize].as_dvec3());
-                    a.dot(b.cross(c)) * if turned[t] { -1.0 } else { 1.0 }
-                })
-                .sum();
-            if volume < 0.0 {
-                component.iter().for_each(|&t| turned[t] ^= true);
-            }
-        } else if component.iter().filter(|&&t| turned[t]).count() * 2 > component.len() {
+        // As most of its triangles are given.
+        if component.iter().filter(|&&t| turned[t]).count() * 2 > component.len() {
             component.iter().for_each(|&t| turned[t] ^= true);
+        }
+        if encloses(triangles, &turned, &open) {
+            solids.push(Solid::new(points, triangles, &turned, component));
+        }
+    }
+    for solid in solids.iter().filter(|solid| solid.volume < 0.0) {
+        if !solids.iter().any(|outer| outer.volume > 0.0 && solid.is_inside(outer)) {
+            solid.triangles.iter().for_each(|&t| turned[t] ^= true);
         }
     }
     Ok(turned)
