@@ -71,6 +71,7 @@ mod solver;
 #[cfg(feature = "study")]
 pub mod study;
 pub mod surface;
+pub mod symmetry;
 pub mod warnings;
 
 pub use mesh::Mesh;

@@ -13,6 +13,10 @@
 //! Call [`run`] with [`Options::new`]. Then check [`Meshed::faults`] and [`Meshed::differences`]: a mesh with either is returned
 //! all the same.
 
+mod symmetric;
+
+pub use symmetric::Symmetric;
+
 use crate::compute::{Backend, ComputeError, Watched};
 use crate::field::{Align, Field, FieldOptions, Stretch, StretchError};
 use crate::mesh::check::Faults;
@@ -31,6 +35,7 @@ use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
 use crate::progress::{Cancelled, Progress};
 use crate::sizes::{SizeOptions, Sizes, SizesError};
 use crate::surface::{FeatureOptions, NamedEdge, RepairOptions, Soup, Surface, SurfaceError};
+use crate::symmetry::{Symmetry, SymmetryError};
 use std::iter::zip;
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -53,6 +58,8 @@ pub enum Fineness {
 pub struct Options {
     /// The fineness of the mesh.
     pub fineness: Fineness,
+    /// The plane about which [`run`] makes the mesh symmetric, bit for bit. Default: none.
+    pub symmetry: Option<Symmetry>,
     /// The repairs of the surface.
     pub repairs: RepairOptions,
     /// The features of the surface.
@@ -86,6 +93,7 @@ impl Options {
     pub fn new(fineness: Fineness) -> Self {
         Self {
             fineness,
+            symmetry: None,
             repairs: RepairOptions::default(),
             features: FeatureOptions::default(),
             edges: Vec::new(),
@@ -119,6 +127,9 @@ pub enum PipelineError {
     /// The backend failed.
     #[error(transparent)]
     Compute(ComputeError),
+    /// The surface has no symmetry as asked.
+    #[error(transparent)]
+    Symmetry(#[from] SymmetryError),
     /// The wanted sizes are invalid.
     #[error(transparent)]
     Sizes(#[from] SizesError),
@@ -186,6 +197,9 @@ pub enum FinenessError {
 }
 
 /// The results of all stages. Coordinates are unit-sized, but for those of meshes, which are in model units.
+///
+/// With [`Options::symmetry`] the mesh is that of the whole surface; surface, field, mosaic, triangulation and edits are those of the
+/// half that was meshed.
 pub struct Outcome {
     /// The surface.
     pub surface: Surface,
@@ -197,6 +211,8 @@ pub struct Outcome {
     pub triangulation: Triangulation,
     /// The mesh.
     pub meshed: Meshed,
+    /// The plane of symmetry and the whole surface; `None` without symmetry.
+    pub symmetry: Option<Symmetric>,
     /// The time of each stage.
     pub times: Vec<(Stage, Duration)>,
 }
@@ -257,6 +273,9 @@ pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 /// # Errors
 /// Where the surface cannot be meshed, the options are invalid, the backend fails, or `watch` cancels the run.
 pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch) -> Result<Outcome, PipelineError> {
+    if let Some(symmetry) = options.symmetry {
+        return symmetric::run_symmetric(soup, symmetry, options, backend, watch);
+    }
     let progress = &Progress::new(watch);
     let backend = &Watched { backend, progress };
     let mut best = attempt(soup, options, backend, progress)?;
@@ -302,7 +321,7 @@ fn attempt(
     let meshed = meshed(context, &mosaic, &triangulation, options, &mut clock)?;
 
     let times = clock.finish()?;
-    Ok(Outcome { surface, field, mosaic, triangulation, meshed, times })
+    Ok(Outcome { surface, field, mosaic, triangulation, meshed, symmetry: None, times })
 }
 
 /// The stages of [`run`] from [`Stage::Connect`] on, for tiles that are triangulated already.
@@ -414,11 +433,24 @@ fn prepare_watched(
     options: &Options,
     progress: &Progress,
 ) -> Result<(Surface, Sizes, usize), PipelineError> {
+    prepared(repaired(soup, options)?, options, progress)
+}
+
+/// The surface of a soup, repaired, with the edges that are named.
+fn repaired(soup: &Soup, options: &Options) -> Result<Surface, PipelineError> {
     expect_stretchable(options)?;
-    let features = &options.features;
     let side = approximate_side(soup, options);
-    let surface =
-        Surface::repaired(soup, features, &options.repairs, side)?.with_edges(soup, &options.edges, features)?;
+    let surface = Surface::repaired(soup, &options.features, &options.repairs, side)?;
+    Ok(surface.with_edges(soup, &options.edges, &options.features)?)
+}
+
+/// [`prepare`] for a surface that is repaired.
+fn prepared(
+    surface: Surface,
+    options: &Options,
+    progress: &Progress,
+) -> Result<(Surface, Sizes, usize), PipelineError> {
+    let features = &options.features;
     progress.check()?;
     let count = count(&surface, options)?;
     let side = mosaic::side_for_count(&surface, count);

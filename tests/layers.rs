@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 /// The library's top-level modules; each imports only those before it.
-const LAYERS: [&str; 21] = [
+const LAYERS: [&str; 22] = [
     "geometry",
     "sets",
     "progress",
@@ -21,6 +21,7 @@ const LAYERS: [&str; 21] = [
     "parametrize",
     "mosaic",
     "mesh",
+    "symmetry",
     "pipeline",
     "report",
     "mesher",
