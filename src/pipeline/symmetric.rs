@@ -176,8 +176,7 @@ impl<'a> Kinds<'a> {
         let all = 0..3 * surface.triangle_count() as u32;
         let half_edges: Vec<u32> = all.filter(|&h| surface.features().is_feature(h)).collect();
         let place = |v: u32| DVec3::from(surface.model_point(v));
-        let features =
-            Simplices::new(half_edges.iter().map(|&h| [surface.origin(h), surface.target(h)].map(place)));
+        let features = Simplices::new(half_edges.iter().map(|&h| [surface.origin(h), surface.target(h)].map(place)));
         let corners = Simplices::new(surface.features().corners().map(|v| [place(v); 2]));
         Self { surface, half_edges, features, corners }
     }

@@ -100,7 +100,8 @@ impl<'a> Cutter<'a> {
         let mut sources = Vec::new();
         for triangle in (0..surface.triangle_count() as u32).filter(|&t| self.is_kept(t)) {
             let polygon = self.clipped(triangle, &mut parts);
-            let corners: Vec<DVec3> = polygon.iter().map(|corner| DVec3::from(parts.points[corner.0 as usize])).collect();
+            let corners: Vec<DVec3> =
+                polygon.iter().map(|corner| DVec3::from(parts.points[corner.0 as usize])).collect();
             let number = |k: usize| polygon[k].0;
             let faces = match polygon.len() {
                 4 if corners[0].distance_squared(corners[2]) <= corners[1].distance_squared(corners[3]) => {
@@ -165,9 +166,7 @@ impl<'a> Cutter<'a> {
                 }
                 continue;
             };
-            if surface.is_named(h)
-                && surface.twin(h).is_some_and(|twin| h < twin && region(h) == region(twin))
-            {
+            if surface.is_named(h) && surface.twin(h).is_some_and(|twin| h < twin && region(h) == region(twin)) {
                 let name = "a feature edge of the surface".to_owned();
                 parts.edges.push(NamedEdge { ends: Ends::Vertices([start, end]), name });
             }

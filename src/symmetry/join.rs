@@ -26,7 +26,8 @@ impl Joined {
 /// others move by a rounding where their images need it. Faces stay sorted by region, each followed by its image.
 pub fn join(half: &Mesh, plane: Plane, tolerance: f64) -> Joined {
     let count = half.points.len() as u32;
-    let (mut points, mut sources, mut images) = (half.points.clone(), Vec::from_iter(0..count), Vec::from_iter(0..count));
+    let (mut points, mut sources, mut images) =
+        (half.points.clone(), Vec::from_iter(0..count), Vec::from_iter(0..count));
     for v in 0..count {
         let point = half.points[v as usize];
         if plane.height(point).abs() <= tolerance {
@@ -83,7 +84,11 @@ mod tests {
         assert!(faults.is_clean(), "{faults}");
         assert_eq!((faults.components, faults.boundary_loops, faults.euler), (1, 1, 1));
         let apart = check(&join(&squares(), plane, 1e-15).mesh);
-        assert_eq!(apart.boundary_loops + apart.components, 2, "one vertex is not shared, so the squares are a slit apart: {apart}");
+        assert_eq!(
+            apart.boundary_loops + apart.components,
+            2,
+            "one vertex is not shared, so the squares are a slit apart: {apart}"
+        );
         assert_eq!(apart.euler, 1);
     }
 
