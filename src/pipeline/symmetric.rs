@@ -13,6 +13,7 @@ use crate::mosaic;
 use crate::progress::{Progress, Stage};
 use crate::surface::nearest::Simplices;
 use crate::surface::{RepairOptions, Soup, Surface};
+use crate::symmetry::chords::split_chords;
 use crate::symmetry::find::Comparison;
 use crate::symmetry::{Asymmetry, Half, Joined, ON_PLANE, Plane, Symmetry, cut, join};
 use glam::DVec3;
@@ -79,12 +80,20 @@ pub(super) fn run_symmetric(
     let started = Instant::now();
     progress.report(Stage::Finish, 0.0)?;
     let tolerance = tolerance(&whole);
-    let joined = join(&outcome.meshed.mesh, plane, tolerance);
+    let (split, ends) = split_chords(&outcome.meshed.mesh, &half.soup, plane, tolerance);
+    let joined = join(&split, plane, tolerance);
     let on_plane = (0..joined.images.len() as u32).filter(|&v| joined.is_on_plane(v)).count();
     let wanted = match (options.fineness, asked.fineness) {
         (Fineness::Points(whole), Fineness::Points(half)) if outcome.mosaic.wanted == half => whole,
         _ => (2 * outcome.mosaic.wanted).saturating_sub(on_plane),
     };
+    let Meshed { vertices, branches, .. } = &mut outcome.meshed;
+    vertices.extend(
+        ends.iter()
+            .map(|&end| VertexAttributes { kind: VertexKind::Free, ..vertices[end as usize] })
+            .collect::<Vec<_>>(),
+    );
+    branches.resize(vertices.len(), false);
     outcome.meshed = doubled(&outcome.meshed, joined, plane, &whole);
     let lost_regions = lost_regions(&uncut, &half);
     outcome.symmetry = Some(Symmetric {

@@ -2,7 +2,7 @@
 
 use super::Plane;
 use crate::mesh::Mesh;
-use crate::surface::Regions;
+use crate::surface::{NONE, Regions};
 
 /// A mesh that is symmetric about a plane bit for bit.
 #[derive(Clone, Debug)]
@@ -23,33 +23,42 @@ impl Joined {
 }
 
 /// Joins the mesh of a half with its mirror image. Vertices no farther than `tolerance` from the plane, in model units, are put on it;
-/// others move by a rounding where their images need it. Faces stay sorted by region, each followed by its image.
+/// others move by a rounding where their images need it. A face all of whose vertices lie on the plane is its own image, and is left
+/// out. Faces stay sorted by region, each followed by its image.
 pub fn join(half: &Mesh, plane: Plane, tolerance: f64) -> Joined {
-    let count = half.points.len() as u32;
-    let (mut points, mut sources, mut images) =
-        (half.points.clone(), Vec::from_iter(0..count), Vec::from_iter(0..count));
+    let is_on_plane = |v: u32| plane.height(half.points[v as usize]).abs() <= tolerance;
+    let is_kept = |face: &[u32]| !face.iter().all(|&v| is_on_plane(v));
+    let mut is_used = vec![false; half.points.len()];
+    half.faces().filter(|face| is_kept(face)).flatten().for_each(|&v| is_used[v as usize] = true);
+    let mut sources: Vec<u32> = (0..half.points.len() as u32).filter(|&v| is_used[v as usize]).collect();
+    let count = sources.len() as u32;
+    let mut points: Vec<[f64; 3]> = sources.iter().map(|&v| half.points[v as usize]).collect();
+    let mut images: Vec<u32> = (0..count).collect();
+    // The number of each vertex of the half.
+    let mut number = vec![NONE; half.points.len()];
     for v in 0..count {
-        let point = half.points[v as usize];
-        if plane.height(point).abs() <= tolerance {
-            points[v as usize][plane.axis.index()] = plane.offset;
+        let (source, own) = (sources[v as usize], v as usize);
+        number[source as usize] = v;
+        if is_on_plane(source) {
+            points[own][plane.axis.index()] = plane.offset;
             continue;
         }
-        let [point, image] = plane.pair(point);
-        points[v as usize] = point;
-        images[v as usize] = points.len() as u32;
+        let [point, image] = plane.pair(points[own]);
+        points[own] = point;
+        images[own] = points.len() as u32;
         points.push(image);
-        sources.push(v);
+        sources.push(source);
         images.push(v);
     }
     let mut mesh = Mesh::new(points);
-    let mut mirrored = Vec::new();
-    for face in half.faces() {
-        mesh.push_face(face);
-        mirrored.clear();
-        mirrored.extend(face.iter().rev().map(|&v| images[v as usize]));
-        mesh.push_face(&mirrored);
+    let mut of_face = Vec::new();
+    for (k, face) in half.faces().enumerate().filter(|(_, face)| is_kept(face)) {
+        let face: Vec<u32> = face.iter().map(|&v| number[v as usize]).collect();
+        mesh.push_face(&face);
+        let image: Vec<u32> = face.iter().rev().map(|&v| images[v as usize]).collect();
+        mesh.push_face(&image);
+        of_face.extend(half.regions.of_face.get(k).into_iter().flat_map(|&region| [region; 2]));
     }
-    let of_face = half.regions.of_face.iter().flat_map(|&region| [region; 2]).collect();
     mesh.regions = Regions { names: half.regions.names.clone(), of_face };
     Joined { mesh, sources, images }
 }

@@ -12,6 +12,7 @@
 //! Set [`Options::symmetry`](crate::Options#structfield.symmetry). Planes lie across an axis: the mirror image about any other plane
 //! would be rounded.
 
+pub mod chords;
 pub mod cut;
 pub mod find;
 pub mod join;
