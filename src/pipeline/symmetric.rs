@@ -7,13 +7,14 @@
 use super::{Fineness, Meshed, Options, Outcome, PipelineError, Watch, prepared, repaired, run};
 use crate::compute::Backend;
 use crate::field::{Guide, Trace};
-use crate::mesh::compare::check_against;
+use crate::mesh::check::{Fault, Faults, Kind, check_joined, sort};
+use crate::mesh::compare::{Difference, differences_from, uncovered};
 use crate::mesh::{VertexAttributes, VertexKind};
 use crate::mosaic;
 use crate::progress::{Progress, Stage};
 use crate::surface::nearest::Simplices;
 use crate::surface::{RepairOptions, Soup, Surface};
-use crate::symmetry::chords::split_chords;
+use crate::symmetry::chords::without_chords;
 use crate::symmetry::find::Comparison;
 use crate::symmetry::{Asymmetry, Half, Joined, ON_PLANE, Plane, Symmetry, cut, join};
 use glam::DVec3;
@@ -72,7 +73,7 @@ pub(super) fn run_symmetric(
     };
     let half = cut(&uncut, plane)?;
     progress.check()?;
-    let asked = of_half(options, &half, plane, side * whole.frame().diagonal);
+    let asked = of_half(options, &half, plane, &whole);
     let before = started.elapsed();
 
     let mut outcome = run(&half.soup, &asked, backend, watch)?;
@@ -80,20 +81,12 @@ pub(super) fn run_symmetric(
     let started = Instant::now();
     progress.report(Stage::Finish, 0.0)?;
     let tolerance = tolerance(&whole);
-    let (split, ends) = split_chords(&outcome.meshed.mesh, &half.soup, plane, tolerance);
-    let joined = join(&split, plane, tolerance);
+    let joined = join(&without_chords(&outcome.meshed.mesh, plane, tolerance), plane, tolerance);
     let on_plane = (0..joined.images.len() as u32).filter(|&v| joined.is_on_plane(v)).count();
     let wanted = match (options.fineness, asked.fineness) {
         (Fineness::Points(whole), Fineness::Points(half)) if outcome.mosaic.wanted == half => whole,
         _ => (2 * outcome.mosaic.wanted).saturating_sub(on_plane),
     };
-    let Meshed { vertices, branches, .. } = &mut outcome.meshed;
-    vertices.extend(
-        ends.iter()
-            .map(|&end| VertexAttributes { kind: VertexKind::Free, ..vertices[end as usize] })
-            .collect::<Vec<_>>(),
-    );
-    branches.resize(vertices.len(), false);
     outcome.meshed = doubled(&outcome.meshed, joined, plane, &whole);
     let lost_regions = lost_regions(&uncut, &half);
     outcome.symmetry = Some(Symmetric {
@@ -115,11 +108,12 @@ fn add(times: &mut [(Stage, Duration)], stage: Stage, time: Duration) {
     times.iter_mut().filter(|known| known.0 == stage).take(1).for_each(|known| known.1 += time);
 }
 
-/// The options for a half of the surface; `side` is that of a tile, in model units.
-fn of_half(options: &Options, half: &Half, plane: Plane, side: f64) -> Options {
+/// The options for a half of the whole surface.
+fn of_half(options: &Options, half: &Half, plane: Plane, whole: &Surface) -> Options {
     let mut asked = options.clone();
     if let Fineness::Points(count) = options.fineness {
         // Half of the vertices, and half of those on the plane, which the halves share.
+        let side = whole.frame().diagonal * f64::from(mosaic::side_for_count(whole, count));
         let count = (count as f64 + half.rim / side) / 2.0;
         asked.fineness = Fineness::Points((count.round() as usize).max(*super::POINTS.start()));
     }
@@ -159,17 +153,46 @@ fn doubled(half: &Meshed, joined: Joined, plane: Plane, surface: &Surface) -> Me
         }
     };
     let vertices = (0..joined.images.len() as u32).map(known).collect();
-    let (faults, comparison) = check_against(&joined.mesh, surface);
+    let branches: Vec<bool> = joined.sources.iter().map(|&source| half.branches[source as usize]).collect();
+    let (faults, differences) = compared(half, &joined, &branches, surface);
+    let before = join(&half.before, plane, tolerance).mesh;
     Meshed {
-        before: join(&half.before, plane, tolerance).mesh,
+        before,
         holes: 2 * half.holes,
         edits: half.edits,
         vertices,
-        branches: joined.sources.iter().map(|&source| half.branches[source as usize]).collect(),
+        branches,
         faults,
-        differences: comparison.map_or_else(Vec::new, |comparison| comparison.differences),
+        differences,
         mesh: joined.mesh,
     }
+}
+
+/// The faults of a joined mesh, and its differences from the whole surface. A face is inverted where it, or its image, is in the half.
+fn compared(half: &Meshed, joined: &Joined, branches: &[bool], surface: &Surface) -> (Faults, Vec<Difference>) {
+    let mesh = &joined.mesh;
+    let sorted = |mut corners: Vec<u32>| {
+        corners.sort_unstable();
+        corners
+    };
+    let inverted: FxHashSet<Vec<u32>> = (half.faults.list.iter())
+        .filter_map(|fault| match fault.kind {
+            Kind::FlippedFace { face } => Some(sorted(half.mesh.face(face as usize).to_vec())),
+            _ => None,
+        })
+        .collect();
+    let source = |v: &u32| joined.sources[*v as usize];
+    let is_inverted = |face: &[u32]| inverted.contains(&sorted(face.iter().map(source).collect()));
+    let faces = (0..).zip(mesh.faces()).filter(|(_, face)| !inverted.is_empty() && is_inverted(face));
+    let faces = faces.map(|(face, corners)| (face, mesh.middle(corners).to_array()));
+    let mut faults = check_joined(mesh, branches);
+    faults.list.extend(faces.map(|(face, at)| Fault { kind: Kind::FlippedFace { face }, at }));
+    sort(&mut faults.list);
+    let mut unit_sized = mesh.clone();
+    unit_sized.points.iter_mut().for_each(|point| *point = surface.frame().to_unit(*point));
+    let uncovered = uncovered(&unit_sized, surface);
+    let differences = differences_from(faults.topology(), surface).into_iter().chain(uncovered).collect();
+    (faults, differences)
 }
 
 /// What points of the whole surface lie on.
