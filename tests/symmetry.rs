@@ -7,7 +7,7 @@ use quadmosaic::compute::Cpu;
 use quadmosaic::field::Guide;
 use quadmosaic::mesh::Mesh;
 use quadmosaic::mesh::check::check;
-use quadmosaic::pipeline::{Fineness, Options, Outcome, PipelineError, run, unwatched};
+use quadmosaic::pipeline::{Fineness, Meshed, Options, Outcome, PipelineError, run, unwatched};
 use quadmosaic::surface::{Ends, NamedEdge, Regions};
 use quadmosaic::symmetry::{Axis, Plane, Symmetry, SymmetryError, cut};
 use quadmosaic::{Mesher, Soup};
@@ -199,6 +199,21 @@ fn boundaries_stay_and_several_rims_are_joined() {
             assert_eq!(report.field.index_sum, 0.0, "{axis:?}");
         }
     }
+}
+
+#[test]
+fn sheets_that_meet_across_the_plane_are_joined() {
+    // A floor, and a wall in its middle, which the plane crosses.
+    let floor = moved(flat(21, 20, 0.1), [-1.05, -1.0, 0.0]);
+    let mut wall = moved(flat(21, 10, 0.1), [-1.05, 0.0, 0.0]);
+    wall.points.iter_mut().for_each(|point| point.swap(1, 2));
+    let soup = both(floor, &wall);
+    let Meshed { mesh, faults, differences, branches, .. } = meshed(&soup, &options(800, about(Axis::X, 0.0))).meshed;
+    assert_eq!(without_image(&mesh, Plane { axis: Axis::X, offset: 0.0 }), [0, 0]);
+    assert!(faults.is_clean() && differences.is_empty(), "{faults}");
+    let is_joint = |point: &[f64; 3]| point[1] == 0.0 && point[2] == 0.0;
+    assert!(mesh.points.iter().zip(&branches).all(|(point, branches)| is_joint(point) == *branches));
+    assert!(branches.iter().filter(|branches| **branches).count() > 10);
 }
 
 #[test]
