@@ -17,7 +17,7 @@ pub struct MethodArguments {
     fineness: FinenessArguments,
     /// Mesh the half of larger coordinates, and join its mirror image to it, bit for bit: x, y or z, the axis across which the plane
     /// lies, at 0 or at OFFSET (y:0.5); or auto, which looks for the plane. The number of vertices is that of the whole mesh
-    #[arg(long, value_name = "AXIS[:OFFSET]|auto", help_heading = "Fineness")]
+    #[arg(long, value_name = "AXIS[:OFFSET]|auto", help_heading = "Symmetry")]
     symmetry: Option<Symmetry>,
     #[command(flatten)]
     directions: FieldArguments,

@@ -92,7 +92,7 @@ mod tests {
 
     /// A quad from the chord between vertices 0 and 1 upward, by a height, and beyond the chord the flat tip, a triangle or a quad.
     fn tip(face: &[u32], height: f64) -> Mesh {
-        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.4, -0.7], [0.8, -0.7]];
+        let points = [[-1.0, 0.0], [1.0, 0.0], [0.5, 0.9], [-0.5, 0.9], [-0.5, -0.9], [0.5, -0.9]];
         let mut mesh = Mesh::new(points.map(|[x, y]| [x, y, 0.0]).to_vec());
         mesh.points[2][2] = height;
         mesh.points[3][2] = height;
@@ -112,7 +112,7 @@ mod tests {
         for face in [&[1, 0, 4][..], &[1, 0, 4, 5]] {
             let mesh = tip(face, 0.5);
             let cut = without_chords(&mesh, PLANE, 1e-9);
-            assert_eq!((cut.face_count(), joined(&cut)), (2, [0, 4]), "{cut:?}");
+            assert_eq!(joined(&cut), [0, 2 * cut.face_count()], "no face is left out: {cut:?}");
             let chords = cut.edges().into_iter().filter(|edge| edge.ends == [0, 1]);
             assert_eq!((chords.count(), mesh.edges().iter().filter(|edge| edge.ends == [0, 1]).count()), (0, 1));
             assert_eq!(joined(&mesh), [0, 2], "without that the tip is left out");
