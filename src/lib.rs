@@ -21,6 +21,7 @@
 //! | read a file | [`surface::load::read`] |
 //! | set an option by its name on the command line | [`Options::set`](Options#method.set) |
 //! | draw rows along directions | [`field::Guide`], `examples/guides.rs` |
+//! | make a mesh symmetric | [`symmetry`], [`Options::symmetry`](Options#structfield.symmetry) |
 //! | give sizes | [`sizes::SizeOptions`], `examples/sizes.rs` |
 //! | mesh many surfaces, on several threads | [`Mesher`], `examples/many.rs` |
 //! | see the progress, cancel a run | [`Mesher::mesh_watched`] |
@@ -75,6 +76,7 @@ mod solver;
 #[cfg(feature = "study")]
 pub mod study;
 pub mod surface;
+pub mod symmetry;
 pub mod warnings;
 
 pub use mesh::Mesh;

@@ -10,6 +10,7 @@ use crate::mesh::fill::Holes;
 use crate::parametrize::Rows;
 use crate::pipeline::{Fineness, Options, POINTS};
 use crate::surface::{Length, LengthError};
+use crate::symmetry::{NoSymmetry, Symmetry};
 use std::ops::RangeInclusive;
 use thiserror::Error;
 
@@ -23,6 +24,9 @@ pub enum ValueError {
     /// No length of a repair.
     #[error(transparent)]
     Repair(#[from] LengthError),
+    /// No symmetry.
+    #[error(transparent)]
+    Symmetry(#[from] NoSymmetry),
     /// No angle.
     #[error("the angle is a number from 1 to {most}, in degrees")]
     Angle {
@@ -88,9 +92,10 @@ pub enum OptionError {
 }
 
 /// The names of the options that [`Options::set`] knows.
-pub const NAMES: [&str; 24] = [
+pub const NAMES: [&str; 25] = [
     "points",
     "size",
+    "symmetry",
     "refine_curvature",
     "around",
     "max_growth",
@@ -130,6 +135,7 @@ impl Options {
         match name {
             "points" => self.fineness = Fineness::Points(points(value)?),
             "size" => self.fineness = Fineness::Size(positive(value)?),
+            "symmetry" => self.symmetry = Some(value.parse::<Symmetry>()?),
             "refine_curvature" => self.sizes.curvature = Some(degrees::<90>(value)?),
             "around" => self.sizes.around = up_to::<100>(value)? as f64,
             "max_growth" => self.sizes.growth = growth(value)?,
@@ -272,6 +278,7 @@ mod tests {
         let taken = |name: &str| match name {
             "imprint" | "ignore_regions" | "keep_uv" | "no_cleanup" => "true",
             "points" => "200",
+            "symmetry" => "y:0.5",
             "weld" | "drop_parts" | "fill_holes" => "0.1%",
             "align" => "curvature:1",
             "rows" => "continuous",

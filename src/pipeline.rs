@@ -13,6 +13,13 @@
 //! Call [`run`] with [`Options::new`]. Then check [`Meshed::faults`] and [`Meshed::differences`]: a mesh with either is returned
 //! all the same.
 
+mod prepare;
+mod symmetric;
+
+pub use prepare::prepare;
+pub use symmetric::Symmetric;
+
+use self::prepare::{Prepared, Sizing, prepared, repaired};
 use crate::compute::{Backend, ComputeError, Watched};
 use crate::field::{Align, Field, FieldOptions, Stretch, StretchError};
 use crate::mesh::check::Faults;
@@ -29,8 +36,9 @@ use crate::mosaic::{self, Effort, Mosaic, MosaicBuilder};
 use crate::parametrize::Rows;
 use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
 use crate::progress::{Cancelled, Progress};
-use crate::sizes::{SizeOptions, Sizes, SizesError, Wanted};
+use crate::sizes::{SizeOptions, Sizes, SizesError};
 use crate::surface::{FeatureOptions, NamedEdge, RepairOptions, Soup, Surface, SurfaceError};
+use crate::symmetry::{Symmetry, SymmetryError};
 use std::iter::zip;
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -53,6 +61,8 @@ pub enum Fineness {
 pub struct Options {
     /// The fineness of the mesh.
     pub fineness: Fineness,
+    /// The plane about which [`run`] makes the mesh symmetric, bit for bit. Default: none.
+    pub symmetry: Option<Symmetry>,
     /// The repairs of the surface.
     pub repairs: RepairOptions,
     /// The features of the surface.
@@ -86,6 +96,7 @@ impl Options {
     pub fn new(fineness: Fineness) -> Self {
         Self {
             fineness,
+            symmetry: None,
             repairs: RepairOptions::default(),
             features: FeatureOptions::default(),
             edges: Vec::new(),
@@ -119,6 +130,9 @@ pub enum PipelineError {
     /// The backend failed.
     #[error(transparent)]
     Compute(ComputeError),
+    /// The surface has no symmetry as asked.
+    #[error(transparent)]
+    Symmetry(#[from] SymmetryError),
     /// The wanted sizes are invalid.
     #[error(transparent)]
     Sizes(#[from] SizesError),
@@ -195,6 +209,9 @@ pub enum FinenessError {
 }
 
 /// The results of all stages. Coordinates are unit-sized, but for those of meshes, which are in model units.
+///
+/// With [`Options::symmetry`] the mesh is that of the whole surface; surface, field, mosaic, triangulation and edits are those of the
+/// half that was meshed.
 pub struct Outcome {
     /// The surface.
     pub surface: Surface,
@@ -206,6 +223,8 @@ pub struct Outcome {
     pub triangulation: Triangulation,
     /// The mesh.
     pub meshed: Meshed,
+    /// The plane of symmetry and the whole surface; `None` without symmetry.
+    pub symmetry: Option<Symmetric>,
     /// The time of each stage.
     pub times: Vec<(Stage, Duration)>,
 }
@@ -252,13 +271,6 @@ const CONTINUOUS_REGULARITY: f64 = 1.0;
 const HARMONIC_SWEEPS: u32 = 150;
 /// The most rounds of untangling and relocation.
 const UNTANGLING_ROUNDS: usize = 3;
-/// The most rounds in which the surface is divided where sizes, known at vertices, are small.
-const SIZE_ROUNDS: usize = 4;
-
-/// A surface whose triangles, once those that are long are divided, are more than so many a tile is coarsened: the time grows with
-/// them, and tiles do not need them.
-const MOST_PARTS: usize = 8;
-
 /// The most times that a mesh with faults is made again, with smaller tiles there.
 const REFINEMENTS: usize = 5;
 /// Where it leaves more faults than this, and more than two thirds of them, it is not made again.
@@ -278,11 +290,14 @@ pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 /// # Errors
 /// Where the surface cannot be meshed, the options are invalid, the backend fails, or `watch` cancels the run.
 pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch) -> Result<Outcome, PipelineError> {
+    if let Some(symmetry) = options.symmetry {
+        return symmetric::run_symmetric(soup, symmetry, options, backend, watch);
+    }
     let progress = &Progress::new(watch);
     let backend = &Watched { backend, progress };
     let mut clock = Clock::new(progress);
     clock.begin(Stage::Surface)?;
-    let prepared = prepare_watched(soup, options, progress)?;
+    let prepared = prepared(repaired(soup, options, progress)?, options, progress)?;
     let (mut sizing, mut best) = attempt(prepared, options, backend, clock)?;
     let (mut surface, mut places) = (best.surface.clone(), best.meshed.faulty_places());
     for _ in 0..REFINEMENTS {
@@ -333,7 +348,7 @@ fn attempt<'a>(
     let meshed = meshed(context, &mosaic, &triangulation, options, &mut clock)?;
 
     let times = clock.finish()?;
-    Ok((sizing, Outcome { surface, field, mosaic, triangulation, meshed, times }))
+    Ok((sizing, Outcome { surface, field, mosaic, triangulation, meshed, symmetry: None, times }))
 }
 
 /// The stages of [`run`] from [`Stage::Connect`] on, for tiles that are triangulated already.
@@ -432,92 +447,6 @@ fn untangle_and_relocate(
     }
 }
 
-/// The surface with the features that tiles of this fineness resolve, the sizes of the tiles, and the wanted number of vertices.
-///
-/// # Errors
-/// Where the surface cannot be meshed, or the fineness, the sizes or the aspect are invalid.
-pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize), PipelineError> {
-    let Prepared { surface, sizes, count, .. } = prepare_watched(soup, options, &Progress::new(&unwatched))?;
-    Ok((surface, sizes, count))
-}
-
-/// A surface that can carry its tiles.
-struct Prepared<'a> {
-    surface: Surface,
-    sizing: Sizing<'a>,
-    /// The sizes of the tiles.
-    sizes: Sizes,
-    /// Their wanted number.
-    count: usize,
-}
-
-/// What the sizes of the tiles follow from.
-struct Sizing<'a> {
-    wanted: Wanted<'a>,
-    /// The number of tiles that is asked for.
-    count: usize,
-}
-
-fn prepare_watched<'a>(soup: &Soup, options: &'a Options, progress: &Progress) -> Result<Prepared<'a>, PipelineError> {
-    expect_stretchable(options)?;
-    let features = &options.features;
-    let side = approximate_side(soup, options);
-    let surface = Surface::repaired_watched(soup, features, &options.repairs, side, progress)?;
-    progress.check()?;
-    let surface = surface.with_edges(soup, &options.edges, features)?;
-    progress.check()?;
-    let count = count(&surface, options)?;
-    let side = mosaic::side_for_count(&surface, count);
-    progress.check()?;
-    let thin_sides = options.sizes.thin_sides(&surface, f64::from(side), &|| progress.is_cancelled());
-    progress.check()?;
-    let surface = surface.with_contacts(f64::from(side));
-    progress.check()?;
-    let mut surface = surface.fitted_to(features, side, thin_sides.as_deref(), progress);
-    progress.check()?;
-    if surface.parts(mosaic::longest_edges(&surface, &Sizes::equal(), count, options.aspect)[0]) > MOST_PARTS * count {
-        progress.check()?;
-        surface = surface.coarsened(f64::from(side), features, progress);
-    }
-    progress.check()?;
-    let wanted = options.sizes.on(&surface, f64::from(side), thin_sides.is_some());
-    Sizing { wanted, count }.sized(surface, options, progress)
-}
-
-impl<'a> Sizing<'a> {
-    /// Smaller tiles at these places, in model units.
-    fn refined(self, surface: &Surface, places: &[[f64; 3]]) -> Result<Self, SizesError> {
-        Ok(Self { wanted: self.wanted.refined(surface, self.count, places)?, ..self })
-    }
-
-    /// The surface, divided where tiles are small, and their sizes.
-    fn sized(
-        self,
-        mut surface: Surface,
-        options: &Options,
-        progress: &Progress,
-    ) -> Result<Prepared<'a>, PipelineError> {
-        let mut wanted = self.wanted;
-        let count = wanted.raised(&surface, self.count)?;
-        let mut sizes = wanted.sizes(&surface, count)?;
-        for _ in 0..SIZE_ROUNDS {
-            progress.check()?;
-            let longest = mosaic::longest_edges(&surface, &sizes, count, options.aspect);
-            let middles;
-            (surface, middles) = surface.divided(longest, &options.features);
-            if middles.is_empty() {
-                break;
-            }
-            wanted = wanted.divided(&surface, &middles);
-            if sizes.is_equal() {
-                break;
-            }
-            sizes = wanted.sizes(&surface, count)?;
-        }
-        Ok(Prepared { surface, sizing: Self { wanted, count: self.count }, sizes, count })
-    }
-}
-
 /// The field for `count` tiles. Curvature is measured at their scale. The field has the sizes of the tiles: `sizes`, times those
 /// that fit the field with [`Options::fit`].
 ///
@@ -564,53 +493,6 @@ pub fn lay(
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
     MosaicBuilder { surface, field, backend, effort: Effort::default(), rows: options.rows, progress }.with_count(count)
-}
-
-/// Checks the aspect before the surface is read, as the rest takes long.
-fn expect_stretchable(options: &Options) -> Result<(), StretchError> {
-    StretchError::of_aspect(options.aspect)?;
-    match options.aspect == 1.0 {
-        false if options.fit != 0.0 => Err(StretchError::Fitted),
-        false if options.field.guides.is_empty() => Err(StretchError::NoGuide),
-        _ => Ok(()),
-    }
-}
-
-/// The side of a tile, in model units, before the surface is known; only lengths of repairs depend on it.
-fn approximate_side(soup: &Soup, options: &Options) -> f64 {
-    match options.fineness {
-        Fineness::Points(count) => (soup.area() / count as f64).sqrt(),
-        Fineness::Size(size) => size,
-        Fineness::Sampled => {
-            let sizes = options.sizes.samples.iter().map(|sample| sample.size);
-            sizes.sum::<f64>() / options.sizes.samples.len() as f64
-        }
-    }
-}
-
-/// The number of vertices of a fineness.
-fn count(surface: &Surface, options: &Options) -> Result<usize, PipelineError> {
-    match options.fineness {
-        Fineness::Points(count) if POINTS.contains(&count) => Ok(count),
-        Fineness::Points(asked) => Err(FinenessError::Points { asked }.into()),
-        Fineness::Size(size) => {
-            let diagonal = surface.frame().diagonal;
-            let count = mosaic::count_for_side(surface, size / diagonal);
-            if size > 0.0 && size <= diagonal && count <= *POINTS.end() as f64 {
-                return Ok((count.round() as usize).max(*POINTS.start()));
-            }
-            let least = diagonal * f64::from(mosaic::side_for_count(surface, *POINTS.end()));
-            Err(FinenessError::Size { asked: size, least, most: diagonal }.into())
-        }
-        Fineness::Sampled if options.sizes.samples.is_empty() => Err(FinenessError::NoSizes.into()),
-        Fineness::Sampled => {
-            let count = options.sizes.count(surface)?;
-            if count <= *POINTS.end() as f64 {
-                return Ok((count.round() as usize).max(*POINTS.start()));
-            }
-            Err(FinenessError::SmallSizes { count }.into())
-        }
-    }
 }
 
 /// Measures the times of stages and reports their progress.

@@ -3,8 +3,10 @@
 //! # Practice
 //! Compare [`Report::version`] with [`VERSION`] before the fields are read.
 
+mod singularities;
+
 use crate::compute::Backend;
-use crate::field::{self, Field, GuideReport, SingularityLocation, StretchReport};
+use crate::field::{Field, GuideReport, StretchReport};
 use crate::mesh::Mesh;
 use crate::mesh::check::{Faults, Kind, check};
 use crate::mesh::compare::{Comparison, Difference, check_against};
@@ -13,10 +15,12 @@ use crate::mesh::quality::Quality;
 use crate::mesh::triangulate::Triangulation;
 use crate::mosaic::{Mosaic, quality::TileQuality};
 use crate::parametrize::RowEnds;
-use crate::pipeline::{Fineness, Options, Outcome};
+use crate::pipeline::{Fineness, Options, Outcome, Symmetric};
 use crate::surface::{Contacts, Curve, Denoised, Reason, Repairs, Surface};
+use crate::symmetry::{Asymmetry, Plane};
 use rustc_hash::FxHashSet;
 use serde::Serialize;
+use singularities::{Found, singularities};
 use std::time::Duration;
 
 /// The version of [`Report`]'s fields. It grows where a field changes its meaning or is removed, not where one is added.
@@ -33,6 +37,10 @@ pub struct Report {
     pub program: String,
     /// The surface.
     pub surface: Input,
+    /// The plane of symmetry; absent without one. All figures are those of the whole mesh, but for `edits` and `mosaic.row_ends`,
+    /// which are those of the half that was meshed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub symmetry: Option<SymmetryFigures>,
     /// The wanted fineness.
     pub asked: Asked,
     /// The backend of the heavy stages.
@@ -84,6 +92,21 @@ pub struct Input {
     pub curve_length: f64,
     /// Creases that are no features, as they do not persist at the scale of a tile.
     pub dropped: DroppedCreases,
+}
+
+/// A plane of symmetry.
+#[derive(Clone, Debug, Serialize)]
+pub struct SymmetryFigures {
+    /// The plane.
+    pub plane: Plane,
+    /// Whether the plane was looked for, not given.
+    pub is_found: bool,
+    /// How far the mirror image of the surface is from it.
+    pub asymmetry: Asymmetry,
+    /// The number of vertices on the plane.
+    pub on_plane: usize,
+    /// The named regions of the surface that lie below the plane alone, so that the mesh does not have them.
+    pub lost_regions: Vec<String>,
 }
 
 /// Creases that are no features, by reason.
@@ -169,6 +192,24 @@ pub struct Tiles {
     pub sides: Option<Sides>,
 }
 
+impl Tiles {
+    fn new(outcome: &Outcome) -> Self {
+        let (mosaic, symmetry) = (&outcome.mosaic, outcome.symmetry.as_ref());
+        let on_features = mosaic.feature_samples.len();
+        // Tiles on the plane are shared by the halves, and are on features only of the half.
+        let doubled = |half: usize, on_plane: usize| symmetry.map_or(half, |_| 2 * half.saturating_sub(on_plane));
+        let on_plane = symmetry.map_or(0, |symmetry| symmetry.on_plane);
+        Self {
+            tiles: doubled(mosaic.count(), on_plane) + on_plane,
+            wanted: symmetry.map_or(mosaic.wanted, |symmetry| symmetry.wanted),
+            on_features: doubled(on_features, on_plane),
+            holes: outcome.meshed.holes,
+            row_ends: mosaic.row_ends,
+            sides: Sides::of(&outcome.triangulation),
+        }
+    }
+}
+
 /// The differences between the sides of tiles.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Sides {
@@ -209,13 +250,8 @@ pub struct Regularity {
 }
 
 impl Regularity {
-    fn of(surface: &Surface, field: &Field, mesh: &Quality) -> Self {
-        let open: FxHashSet<u32> = (0..3 * surface.triangle_count() as u32)
-            .filter(|&h| surface.twin(h).is_none())
-            .flat_map(|h| [surface.origin(h), surface.target(h)])
-            .collect();
-        let is_inside = |location| !matches!(location, SingularityLocation::Corner(vertex) if open.contains(&vertex));
-        let demanded = field.singularities(surface).iter().filter(|one| is_inside(one.location)).count();
+    fn of(singularities: &[Found], mesh: &Quality) -> Self {
+        let demanded = singularities.iter().filter(|one| one.is_inside).count();
         let irregular = mesh.irregular_vertices;
         Self { irregular, demanded, surplus: irregular as i64 - demanded as i64 }
     }
@@ -233,26 +269,21 @@ pub struct Time {
 impl Report {
     /// The report on a run, [`run`](crate::pipeline::run), with the surface called `name`.
     pub fn new(name: &str, options: &Options, backend: &dyn Backend, outcome: &Outcome) -> Self {
-        let (surface, meshed) = (&outcome.surface, &outcome.meshed);
+        let (surface, meshed, symmetry) = (&outcome.surface, &outcome.meshed, outcome.symmetry.as_ref());
         let times: Vec<Time> = outcome.times.iter().map(|&(stage, time)| Time::new(stage.name(), time)).collect();
         let (before, mesh) = rayon::join(|| Quality::of(&meshed.before), || Quality::of(&meshed.mesh));
+        let found = singularities(surface, &outcome.field, symmetry);
         Self {
             version: VERSION,
             program: PROGRAM.to_owned(),
-            surface: Input::new(name, surface),
+            surface: Input::new(name, symmetry.map_or(surface, |symmetry| &symmetry.surface)),
+            symmetry: symmetry.map(SymmetryFigures::new),
             asked: Asked::new(options.fineness),
             backend: Device::new(backend),
-            field: FieldFigures::new(surface, &outcome.field),
-            mosaic: Tiles {
-                tiles: outcome.mosaic.count(),
-                wanted: outcome.mosaic.wanted,
-                on_features: outcome.mosaic.feature_samples.len(),
-                holes: meshed.holes,
-                row_ends: outcome.mosaic.row_ends,
-                sides: Sides::of(&outcome.triangulation),
-            },
+            field: FieldFigures::new(&outcome.field, &found),
+            mosaic: Tiles::new(outcome),
             before,
-            regularity: Regularity::of(surface, &outcome.field, &mesh),
+            regularity: Regularity::of(&found, &mesh),
             mesh,
             edits: meshed.edits,
             faults: meshed.faults.clone(),
@@ -297,7 +328,7 @@ impl FieldReport {
             program: PROGRAM.to_owned(),
             surface: Input::new(name, surface),
             backend: Device::new(backend),
-            field: FieldFigures::new(surface, field),
+            field: FieldFigures::new(field, &singularities(surface, field, None)),
         }
     }
 }
@@ -340,7 +371,7 @@ impl MosaicReport {
             surface: Input::new(name, surface),
             asked: Asked::new(options.fineness),
             backend: Device::new(backend),
-            field: FieldFigures::new(surface, field),
+            field: FieldFigures::new(field, &singularities(surface, field, None)),
             tiles: mosaic.count(),
             on_features: mosaic.feature_samples.len(),
             fit,
@@ -444,6 +475,18 @@ fn dropped(surface: &Surface, reason: Reason) -> Creases {
     }
 }
 
+impl SymmetryFigures {
+    fn new(symmetry: &Symmetric) -> Self {
+        Self {
+            plane: symmetry.plane,
+            is_found: symmetry.is_found,
+            asymmetry: symmetry.asymmetry,
+            on_plane: symmetry.on_plane,
+            lost_regions: symmetry.lost_regions.clone(),
+        }
+    }
+}
+
 impl Device {
     fn new(backend: &dyn Backend) -> Self {
         Self { name: backend.name(), adapter: backend.adapter() }
@@ -451,15 +494,9 @@ impl Device {
 }
 
 impl FieldFigures {
-    fn new(surface: &Surface, field: &Field) -> Self {
-        let found = field.singularities(surface);
-        let singularity = |singularity: &field::Singularity| Singularity {
-            at: surface.frame().to_model(singularity.position),
-            index: singularity.index(),
-            on_feature: matches!(singularity.location, SingularityLocation::Corner(_)),
-        };
+    fn new(field: &Field, found: &[Found]) -> Self {
         Self {
-            singularities: found.iter().map(singularity).collect(),
+            singularities: found.iter().copied().map(Singularity::from).collect(),
             index_sum: f64::from(found.iter().map(|singularity| singularity.quarters).sum::<i32>()) / 4.0,
             guides: field.guides().to_vec(),
             stretch: field.stretch().map(|stretch| *stretch.report()),

@@ -2,8 +2,9 @@
 
 use crate::export::Format;
 use crate::field::{GuideReport, StretchReport};
-use crate::report::{Asked, Input, Report};
+use crate::report::{Asked, Input, Report, SymmetryFigures};
 use crate::surface::{AttributeKind, Attributes, NearRims, Places, Soup, shown};
+use crate::symmetry::find::NEARLY;
 
 /// A number of vertices that misses the wanted one by a larger share is a warning.
 const COUNT_TOLERANCE: f64 = 0.05;
@@ -16,6 +17,7 @@ impl Report {
         let mut warnings = of_guides(&self.field.guides);
         warnings.extend(of_stretch(self.field.stretch.as_ref()));
         warnings.extend(of_surface(&self.surface));
+        warnings.extend(self.symmetry.iter().flat_map(of_symmetry));
         warnings.extend(self.count_warning());
         warnings
     }
@@ -115,6 +117,27 @@ pub fn of_surface(surface: &Input) -> Vec<String> {
         )
     });
     places.into_iter().flatten().chain(rims).collect()
+}
+
+/// A surface that is not symmetric about the plane of its mesh.
+pub fn of_symmetry(symmetry: &SymmetryFigures) -> Vec<String> {
+    let SymmetryFigures { plane, asymmetry, lost_regions, .. } = symmetry;
+    let apart = (asymmetry.tiles > NEARLY).then(|| {
+        format!(
+            "the surface is not symmetric about {plane}: its mirror image is up to {:.3e} away from it, {:.2} sides of a tile, at {}; \
+             the mesh has the shape of the half above the plane on both sides",
+            asymmetry.distance,
+            asymmetry.tiles,
+            shown(&asymmetry.at)
+        )
+    });
+    let lost = (!lost_regions.is_empty()).then(|| {
+        format!(
+            "regions that lie below {plane} alone are not in the mesh, where faces have the regions of their mirror images: {}",
+            lost_regions.join(", ")
+        )
+    });
+    apart.into_iter().chain(lost).collect()
 }
 
 /// The attributes of a surface that a file of the mesh, called `name`, does not have.

@@ -1024,3 +1024,21 @@ fn materials_are_regions_of_the_mesh() {
         assert_eq!(*region == 0, middle < 1.0, "the border is kept");
     }
 }
+
+#[test]
+fn a_symmetric_mesh_is_written_bit_for_bit() {
+    let desk = Desk::new();
+    let mesh = ["mesh", "example:m6:2000", "--points", "300", "-o", "out.obj", "--report", "out.json", "--symmetry"];
+    let said = |symmetry: &str| desk.said(&[&mesh[..], &[symmetry]].concat());
+    assert!(said("auto").contains("symmetry   about z = 0, found; "));
+    let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+    assert_eq!((&report["symmetry"]["plane"]["axis"], &report["symmetry"]["is_found"]), (&"z".into(), &true.into()));
+    let points = read_mesh(&desk.path("out.obj")).expect("it is a mesh").points;
+    assert!(points.iter().all(|&[x, y, z]| points.contains(&[x, y, -z])), "0 and -0 are the same");
+    assert!(said("z").contains("symmetry   about z = 0; "));
+    for (symmetry, refusal) in [("y", "lies wholly on one side of the plane y = 0, from 0.0"), ("w", "write x, y or z")]
+    {
+        let message = text(&desk.run(&[&mesh[..], &[symmetry]].concat()).stderr);
+        assert!(message.contains(refusal), "{message}");
+    }
+}

@@ -21,6 +21,7 @@ const LAYERS: [&str; 22] = [
     "parametrize",
     "mosaic",
     "mesh",
+    "symmetry",
     "pipeline",
     "report",
     "mesher",

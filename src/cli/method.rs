@@ -9,11 +9,16 @@ use quadmosaic::mesh::connectivity::{self, ConnectivityOptions};
 use quadmosaic::mesh::fill;
 use quadmosaic::options::{degrees, distance, up_to};
 use quadmosaic::pipeline::Options;
+use quadmosaic::symmetry::Symmetry;
 
 #[derive(Args)]
 pub struct MethodArguments {
     #[command(flatten)]
     fineness: FinenessArguments,
+    /// Mesh the half of larger coordinates, and join its mirror image to it, bit for bit: x, y or z, the axis across which the plane
+    /// lies, at 0 or at OFFSET (y:0.5); or auto, which looks for the plane. The number of vertices is that of the whole mesh
+    #[arg(long, value_name = "AXIS[:OFFSET]|auto", help_heading = "Symmetry")]
+    symmetry: Option<Symmetry>,
     #[command(flatten)]
     directions: FieldArguments,
 
@@ -80,6 +85,7 @@ impl MethodArguments {
     /// Where a file of sizes, guides or feature edges cannot be read.
     pub fn options(&self) -> anyhow::Result<Options> {
         let rest = Options {
+            symmetry: self.symmetry,
             sizes: self.fineness.sizes()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {

@@ -5,6 +5,7 @@ use quadmosaic::mesh::connectivity::EditCounts;
 use quadmosaic::mesh::quality::{Quality, Spread};
 use quadmosaic::report::{
     Against, Asked, CheckReport, DroppedCreases, FieldFigures, FieldReport, Input, MosaicReport, Report,
+    SymmetryFigures,
 };
 use quadmosaic::surface::{Denoised, Repairs, shown};
 use quadmosaic::warnings::counted;
@@ -19,7 +20,7 @@ pub fn figures_of_run(report: &Report) -> Vec<(&'static str, String)> {
     let Report { surface: input, mesh, before, mosaic, backend, .. } = report;
     let holes = format!("{} in the connected mosaic, {} left", mosaic.holes, mesh.polygons);
     let times: Vec<_> = report.times.iter().map(|time| format!("{} {:.0}", time.stage, time.milliseconds)).collect();
-    vec![
+    let mut entries = vec![
         ("surface", surface(input)),
         ("repairs", repaired(input)),
         ("features", features(input)),
@@ -36,7 +37,11 @@ pub fn figures_of_run(report: &Report) -> Vec<(&'static str, String)> {
         ("check", checked(report)),
         ("backend", format!("{}, {}", backend.name, backend.adapter)),
         ("time", format!("{:.0} ms: {}", report.total_milliseconds, times.join(", "))),
-    ]
+    ];
+    if let Some(figures) = &report.symmetry {
+        entries.insert(3, ("symmetry", symmetry(figures)));
+    }
+    entries
 }
 
 /// The figures of a field.
@@ -166,6 +171,16 @@ fn features(input: &Input) -> String {
         count => format!("; {} dropped: {}", counted(count, "crease"), texts.join(", ")),
     };
     format!("{}, {}{dropped}", counted(input.curves, "curve"), counted(input.corners, "corner"))
+}
+
+fn symmetry(figures: &SymmetryFigures) -> String {
+    let SymmetryFigures { plane, is_found, asymmetry, on_plane, .. } = figures;
+    let found = if *is_found { ", found" } else { "" };
+    let on_plane = counted(*on_plane, "vertex");
+    format!(
+        "about {plane}{found}; {on_plane} on it; the surface's mirror image is up to {:.3e} away",
+        asymmetry.distance
+    )
 }
 
 fn field(figures: &FieldFigures) -> String {

@@ -246,7 +246,7 @@ pub fn check_joined(mesh: &Mesh, branches: &[bool]) -> Faults {
 }
 
 /// Sorts faults as in [`Faults::list`].
-pub(super) fn sort(list: &mut [Fault]) {
+pub(crate) fn sort(list: &mut [Fault]) {
     list.sort_by(|a, b| a.kind.partial_cmp(&b.kind).unwrap_or(Ordering::Equal));
 }
 

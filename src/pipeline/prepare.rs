@@ -1,0 +1,158 @@
+//! The surface as the tiles need it: its features, the sizes of tiles and their number.
+
+use super::{Fineness, FinenessError, Options, POINTS, PipelineError, unwatched};
+use crate::field::StretchError;
+use crate::mosaic;
+use crate::progress::Progress;
+use crate::sizes::{Sizes, SizesError, Wanted};
+use crate::surface::{Soup, Surface};
+
+/// The most rounds in which the surface is divided where sizes, known at vertices, are small.
+const SIZE_ROUNDS: usize = 4;
+
+/// A surface whose triangles, once those that are long are divided, are more than so many a tile is coarsened: the time grows with
+/// them, and tiles do not need them.
+const MOST_PARTS: usize = 8;
+
+/// A surface that can carry its tiles.
+pub(super) struct Prepared<'a> {
+    pub surface: Surface,
+    pub sizing: Sizing<'a>,
+    /// The sizes of the tiles.
+    pub sizes: Sizes,
+    /// Their wanted number.
+    pub count: usize,
+}
+
+/// What the sizes of the tiles follow from.
+pub(super) struct Sizing<'a> {
+    wanted: Wanted<'a>,
+    /// The number of tiles that is asked for.
+    pub count: usize,
+}
+
+/// The surface with the features that tiles of this fineness resolve, the sizes of the tiles, and the wanted number of vertices.
+///
+/// # Errors
+/// Where the surface cannot be meshed, or the fineness, the sizes or the aspect are invalid.
+pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize), PipelineError> {
+    let progress = &Progress::new(&unwatched);
+    let Prepared { surface, sizes, count, .. } = prepared(repaired(soup, options, progress)?, options, progress)?;
+    Ok((surface, sizes, count))
+}
+
+/// The surface of a soup, repaired, with the edges that are named.
+pub(super) fn repaired(soup: &Soup, options: &Options, progress: &Progress) -> Result<Surface, PipelineError> {
+    expect_stretchable(options)?;
+    let side = approximate_side(soup, options);
+    let surface = Surface::repaired_watched(soup, &options.features, &options.repairs, side, progress)?;
+    progress.check()?;
+    Ok(surface.with_edges(soup, &options.edges, &options.features)?)
+}
+
+/// As [`prepare`], for a surface that is repaired.
+pub(super) fn prepared<'a>(
+    surface: Surface,
+    options: &'a Options,
+    progress: &Progress,
+) -> Result<Prepared<'a>, PipelineError> {
+    let features = &options.features;
+    progress.check()?;
+    let count = count(&surface, options)?;
+    let side = mosaic::side_for_count(&surface, count);
+    progress.check()?;
+    let thin_sides = options.sizes.thin_sides(&surface, f64::from(side), &|| progress.is_cancelled());
+    progress.check()?;
+    let surface = surface.with_contacts(f64::from(side));
+    progress.check()?;
+    let mut surface = surface.fitted_to(features, side, thin_sides.as_deref(), progress);
+    progress.check()?;
+    if surface.parts(mosaic::longest_edges(&surface, &Sizes::equal(), count, options.aspect)[0]) > MOST_PARTS * count {
+        progress.check()?;
+        surface = surface.coarsened(f64::from(side), features, progress);
+    }
+    progress.check()?;
+    let wanted = options.sizes.on(&surface, f64::from(side), thin_sides.is_some());
+    Sizing { wanted, count }.sized(surface, options, progress)
+}
+
+impl<'a> Sizing<'a> {
+    /// Smaller tiles at these places, in model units.
+    pub fn refined(self, surface: &Surface, places: &[[f64; 3]]) -> Result<Self, SizesError> {
+        Ok(Self { wanted: self.wanted.refined(surface, self.count, places)?, ..self })
+    }
+
+    /// The surface, divided where tiles are small, and their sizes.
+    pub fn sized(
+        self,
+        mut surface: Surface,
+        options: &Options,
+        progress: &Progress,
+    ) -> Result<Prepared<'a>, PipelineError> {
+        let mut wanted = self.wanted;
+        let count = wanted.raised(&surface, self.count)?;
+        let mut sizes = wanted.sizes(&surface, count)?;
+        for _ in 0..SIZE_ROUNDS {
+            progress.check()?;
+            let longest = mosaic::longest_edges(&surface, &sizes, count, options.aspect);
+            let middles;
+            (surface, middles) = surface.divided(longest, &options.features);
+            if middles.is_empty() {
+                break;
+            }
+            wanted = wanted.divided(&surface, &middles);
+            if sizes.is_equal() {
+                break;
+            }
+            sizes = wanted.sizes(&surface, count)?;
+        }
+        Ok(Prepared { surface, sizing: Self { wanted, count: self.count }, sizes, count })
+    }
+}
+
+/// Checks the aspect before the surface is read, as the rest takes long.
+fn expect_stretchable(options: &Options) -> Result<(), StretchError> {
+    StretchError::of_aspect(options.aspect)?;
+    match options.aspect == 1.0 {
+        false if options.fit != 0.0 => Err(StretchError::Fitted),
+        false if options.field.guides.is_empty() => Err(StretchError::NoGuide),
+        _ => Ok(()),
+    }
+}
+
+/// The side of a tile, in model units, before the surface is known; only lengths of repairs depend on it.
+fn approximate_side(soup: &Soup, options: &Options) -> f64 {
+    match options.fineness {
+        Fineness::Points(count) => (soup.area() / count as f64).sqrt(),
+        Fineness::Size(size) => size,
+        Fineness::Sampled => {
+            let sizes = options.sizes.samples.iter().map(|sample| sample.size);
+            sizes.sum::<f64>() / options.sizes.samples.len() as f64
+        }
+    }
+}
+
+/// The number of vertices of a fineness.
+fn count(surface: &Surface, options: &Options) -> Result<usize, PipelineError> {
+    match options.fineness {
+        Fineness::Points(count) if POINTS.contains(&count) => Ok(count),
+        Fineness::Points(asked) => Err(FinenessError::Points { asked }.into()),
+        Fineness::Size(size) => {
+            let diagonal = surface.frame().diagonal;
+            let count = mosaic::count_for_side(surface, size / diagonal);
+            if size > 0.0 && size <= diagonal && count <= *POINTS.end() as f64 {
+                return Ok((count.round() as usize).max(*POINTS.start()));
+            }
+            let least = diagonal * f64::from(mosaic::side_for_count(surface, *POINTS.end()));
+            Err(FinenessError::Size { asked: size, least, most: diagonal }.into())
+        }
+        Fineness::Sampled if options.sizes.samples.is_empty() => Err(FinenessError::NoSizes.into()),
+        Fineness::Sampled => {
+            let count = options.sizes.count(surface)?;
+            if count <= *POINTS.end() as f64 {
+                return Ok((count.round() as usize).max(*POINTS.start()));
+            }
+            Err(FinenessError::SmallSizes { count }.into())
+        }
+    }
+}
