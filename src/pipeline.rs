@@ -273,10 +273,12 @@ const HARMONIC_SWEEPS: u32 = 150;
 const UNTANGLING_ROUNDS: usize = 3;
 /// The most times that a mesh with faults is made again, with smaller tiles there.
 const REFINEMENTS: usize = 5;
-/// Where it leaves more faults than this, and more than two thirds of them, it is not made again.
+/// A mesh of more vertices than [`LARGE`] that still has more than two thirds of the faults, and more than so many, is not made
+/// again: it takes long.
 const MANY: usize = 10;
+const LARGE: usize = 3_000;
 /// The most times of the asked count, or of [`LEAST_RAISED`] where that is more, to which this raises it.
-const MOST_RAISED: usize = 8;
+const MOST_RAISED: usize = 12;
 const LEAST_RAISED: usize = 300;
 
 /// The numbers of vertices that can be asked for.
@@ -313,7 +315,8 @@ pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch)
         let (refined, next) = attempt(prepared, options, backend, clock)?;
         (sizing, surface, places) = (refined, next.surface.clone(), next.meshed.faulty_places());
         let times = zip(&best.times, &next.times).map(|(before, after)| (before.0, before.1 + after.1)).collect();
-        let is_futile = next.meshed.wrong() > MANY.max(2 * best.meshed.wrong() / 3);
+        let is_futile =
+            next.meshed.mesh.points.len() > LARGE && next.meshed.wrong() > MANY.max(2 * best.meshed.wrong() / 3);
         if next.meshed.wrong() < best.meshed.wrong() {
             best = next;
         }

@@ -1,6 +1,7 @@
 //! The program as a user meets it: what it writes, what it says, and how it ends.
 
 use quadmosaic::mesh::{Mesh, read_mesh};
+use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::load::read;
 use serde_json::Value;
 use std::fs;
@@ -151,36 +152,55 @@ fn the_same_bytes_again_and_with_any_number_of_threads() {
     assert_ne!(mesh("other.obj", "2", "700"), first, "equality would say nothing");
 }
 
+/// The OBJ file of a sphere of radius 1 and of a smaller one inside it, by `thickness`, that looks inwards.
+fn shell(thickness: f64) -> String {
+    let sphere = "sphere".parse::<Example>().expect("an example").generate(2_000);
+    let scaled = |scale: f64| sphere.points.iter().map(move |p| p.map(|x| scale * x));
+    let vertices = scaled(1.0).chain(scaled(1.0 - thickness)).map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+    let second = sphere.points.len() as u32 + 1;
+    let outer = sphere.triangles.iter().map(|t| t.map(|v| v + 1));
+    let inner = sphere.triangles.iter().map(|&[a, b, c]| [a, c, b].map(|v| v + second));
+    vertices.chain(outer.chain(inner).map(|[a, b, c]| format!("f {a} {b} {c}\n"))).collect()
+}
+
 #[test]
 fn a_mesh_that_is_wrong_is_a_warning_or_with_strict_no_mesh() {
     let desk = Desk::new();
-    // Tiles as wide as its tube is thick cannot show a torus.
-    let coarse = ["mesh", "example:torus:1000", "--size", "2", "--around", "0", "-o", "out.obj", "--quiet"];
-    let fine = ["mesh", "example:torus:1000", "--points", "100", "-o", "out.obj", "--quiet"];
+    // A shell so thin that tiles would have to be many times smaller.
+    let inputs = Desk::new();
+    let [thin, thick] = [("thin.obj", 1e-4), ("thick.obj", 0.3)].map(|(name, thickness)| {
+        inputs.put(name, shell(thickness));
+        inputs.path(name).display().to_string()
+    });
+    let thin = ["mesh", &thin, "--points", "100", "-o", "out.obj", "--quiet"];
+    let thick = ["mesh", &thick, "--points", "300", "-o", "out.obj", "--quiet"];
     let files = ["--report", "out.json", "--picture", "out.png"];
     let run = |arguments: &[&str], more: &[&str]| {
         let output = desk.run(&[arguments, more].concat());
         (output.status.code(), text(&output.stderr))
     };
     let strict = [&["--strict"], &files[..]].concat();
-    let (code, said) = run(&coarse, &strict);
+    let (code, said) = run(&thin, &strict);
     let refused = said.strip_prefix("error: out.obj was not written: ").unwrap_or_else(|| panic!("{said}"));
     assert_eq!((code, desk.names()), (Some(3), vec![]), "{said}");
-    assert!(refused.starts_with("the surface at (") && refused.contains(" edge lengths from the mesh"), "{said}");
+    assert!(
+        refused.contains(" faults; Euler characteristic 4") && refused.contains(" looks away from the surface"),
+        "{said}"
+    );
     // What stands there already stays.
     desk.put("out.obj", SQUARE);
-    assert_eq!(run(&coarse, &strict).0, Some(3));
+    assert_eq!(run(&thin, &strict).0, Some(3));
     assert_eq!((text(&desk.bytes("out.obj")).as_str(), desk.names()), (SQUARE, vec!["out.obj".to_owned()]));
 
-    let (code, said) = run(&coarse, &files);
+    let (code, said) = run(&thin, &files);
     assert_eq!((code, desk.names()), (Some(0), ["out.json", "out.obj", "out.png"].map(str::to_owned).to_vec()));
     assert!(said.starts_with(&format!("warning: out.obj: {refused}")), "{said}");
     let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
-    let differences = report["differences"].as_array().expect("a list");
-    assert!(differences.iter().any(|difference| difference["Uncovered"]["distance"].is_f64()), "{report}");
+    let faults = report["faults"]["list"].as_array().expect("a list");
+    assert!(faults.iter().any(|fault| fault["kind"]["FlippedFace"]["face"].is_u64()), "{report}");
     assert_ne!(text(&desk.bytes("out.obj")), SQUARE);
 
-    let (code, said) = run(&fine, &strict);
+    let (code, said) = run(&thick, &strict);
     assert_eq!((code, said.as_str()), (Some(0), ""), "a mesh without faults is written");
 }
 

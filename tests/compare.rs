@@ -153,7 +153,7 @@ fn a_face_that_looks_away_is_found() {
 }
 
 #[test]
-fn a_face_beyond_a_sharp_edge_looks_away_from_one_side_only() {
+fn a_face_beyond_a_sharp_edge_looks_away_from_one_of_its_sides() {
     // A wedge of two faces, and a mesh of it that overhangs its edge: what is nearest is the edge, which has two sides.
     let soup = Soup {
         points: vec![
@@ -167,12 +167,14 @@ fn a_face_beyond_a_sharp_edge_looks_away_from_one_side_only() {
         triangles: vec![[0, 2, 1], [1, 2, 3], [4, 5, 2], [2, 5, 3]],
         ..Soup::default()
     };
-    let overhang = |upper: bool| {
-        let mut mesh = Mesh::new(vec![[0.9, 1.0, 0.0], [1.5, 1.0, 0.0], [1.5, 2.0, 0.0], [0.9, 2.0, 0.0]]);
+    let face = |x: [f64; 2], upper: bool| {
+        let z = if upper { 0.05 } else { -0.05 };
+        let mut mesh = Mesh::new(vec![[x[0], 1.0, z], [x[1], 1.0, 0.0], [x[1], 2.0, 0.0], [x[0], 2.0, z]]);
         mesh.push_face(if upper { &[0, 1, 2, 3] } else { &[3, 2, 1, 0] });
         compared(&mesh, &surface(&soup)).0.count(|kind| matches!(kind, Kind::FlippedFace { .. }))
     };
-    assert_eq!([overhang(true), overhang(false)], [0, 0]);
+    assert_eq!([true, false].map(|upper| face([0.9, 1.5], upper)), [1, 1]);
+    assert_eq!([true, false].map(|upper| face([0.5, 1.0], upper)), [0, 0]);
 }
 
 #[test]

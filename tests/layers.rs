@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 /// The library's top-level modules; each imports only those before it.
-const LAYERS: [&str; 22] = [
+const LAYERS: [&str; 23] = [
     "geometry",
     "sets",
     "progress",

@@ -409,7 +409,7 @@ fn shell(thickness: f64) -> Soup {
 #[test]
 fn a_thin_wall_gets_smaller_tiles_and_a_thick_one_the_asked_count() {
     let asked = 300;
-    for (thickness, is_raised) in [(0.01, true), (0.3, false)] {
+    for (thickness, is_raised) in [(0.03, true), (0.3, false)] {
         let outcome = run(&shell(thickness), &Options::new(Fineness::Points(asked)), &Cpu, &unwatched).expect("a mesh");
         let faults = &outcome.meshed.faults;
         assert!(faults.is_clean(), "{thickness}: {faults}");

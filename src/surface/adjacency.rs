@@ -216,8 +216,8 @@ impl Solid {
     }
 }
 
-/// The triangles that must be reversed: those of a component look the same way, and outward where it is closed. One that is given
-/// to look inward inside another one bounds a cavity, and stays.
+/// The triangles that must be reversed: those of a component look the same way, and outward where it is closed. One inside another
+/// is turned with that one alone, as it may bound a cavity.
 fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -> Result<Vec<bool>, SurfaceError> {
     let mut turned = vec![false; triangles.len()];
     let mut seen = vec![false; triangles.len()];
@@ -260,8 +260,10 @@ fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -
             solids.push(Solid::new(points, triangles, &turned, component));
         }
     }
-    for solid in solids.iter().filter(|solid| solid.volume < 0.0) {
-        if !solids.iter().any(|outer| outer.volume > 0.0 && solid.is_inside(outer)) {
+    for solid in &solids {
+        let outer = solids.iter().filter(|outer| solid.is_inside(outer));
+        let outermost = outer.max_by(|a, b| a.volume.abs().total_cmp(&b.volume.abs())).unwrap_or(solid);
+        if outermost.volume < 0.0 {
             solid.triangles.iter().for_each(|&t| turned[t] ^= true);
         }
     }
