@@ -150,6 +150,7 @@ def mesh(
     attributes: Optional[Mapping[str, npt.ArrayLike]] = None,
     corner_attributes: Optional[Mapping[str, npt.ArrayLike]] = None,
     size: Optional[float] = None,
+    symmetry: Optional[str] = None,
     refine_curvature: Optional[float] = None,
     around: Optional[int] = None,
     max_growth: Optional[float] = None,

@@ -272,6 +272,7 @@ def test_a_faulty_array_names_its_triangle() -> None:
 WRONG = {
     "points": 3,
     "size": -1.0,
+    "symmetry": "w",
     "refine_curvature": 91.0,
     "around": 101,
     "max_growth": 1.0,
@@ -298,6 +299,18 @@ def test_options_have_the_messages_of_the_command_line(name: str) -> None:
     message = str(caught.value).split(": ", 1)[1]
     said = command("mesh", "example:block", "-o", "none.obj", f"--{name.replace('_', '-')}={value}").stderr
     assert message in " ".join(said.split()), said
+
+
+def test_a_symmetric_mesh_is_its_own_image() -> None:
+    sphere = quadmosaic.example("sphere", 2_000)
+
+    def images(**options: str) -> bool:
+        result = quadmosaic.mesh(sphere, points=400, backend="cpu", **options)  # type: ignore[arg-type]
+        points = {tuple(point) for point in result.vertices.tolist()}
+        return all((x, y, -z) in points for x, y, z in points)
+
+    assert images(symmetry="z")
+    assert not images()
 
 
 def test_options_are_those_of_the_library_and_keywords() -> None:
