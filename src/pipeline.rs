@@ -36,7 +36,7 @@ use crate::mosaic::{self, Effort, Mosaic, MosaicBuilder};
 use crate::parametrize::Rows;
 use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
 use crate::progress::{Cancelled, Progress};
-use crate::sizes::{SizeOptions, Sizes, SizesError};
+use crate::sizes::{FEW, SizeOptions, Sizes, SizesError};
 use crate::surface::{FeatureOptions, NamedEdge, RepairOptions, Soup, Surface, SurfaceError};
 use crate::symmetry::{Symmetry, SymmetryError};
 use std::iter::zip;
@@ -277,9 +277,8 @@ const REFINEMENTS: usize = 5;
 /// again: it takes long.
 const MANY: usize = 10;
 const LARGE: usize = 3_000;
-/// The most times of the asked count, or of [`LEAST_RAISED`] where that is more, to which this raises it.
+/// The most times of the asked count, or of [`FEW`] where that is more, to which this raises it.
 const MOST_RAISED: usize = 12;
-const LEAST_RAISED: usize = 300;
 
 /// The numbers of vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
@@ -301,24 +300,29 @@ pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch)
     clock.begin(Stage::Surface)?;
     let prepared = prepared(repaired(soup, options, progress)?, options, progress)?;
     let (mut sizing, mut best) = attempt(prepared, options, backend, clock)?;
-    let (mut surface, mut places) = (best.surface.clone(), best.meshed.faulty_places());
+    let mut places = best.meshed.faulty_places();
+    // The surface of the latest mesh, where that is not the best one.
+    let mut latest = None;
     for _ in 0..REFINEMENTS {
         if places.is_empty() {
             break;
         }
         let mut clock = Clock::new(progress);
         clock.begin(Stage::Surface)?;
+        let surface = latest.take().unwrap_or_else(|| best.surface.clone());
         let prepared = sizing.refined(&surface, &places)?.sized(surface, options, progress)?;
-        if prepared.count > MOST_RAISED * prepared.sizing.count.max(LEAST_RAISED) {
+        if prepared.count > MOST_RAISED * prepared.sizing.count.max(FEW) {
             break;
         }
         let (refined, next) = attempt(prepared, options, backend, clock)?;
-        (sizing, surface, places) = (refined, next.surface.clone(), next.meshed.faulty_places());
-        let times = zip(&best.times, &next.times).map(|(before, after)| (before.0, before.1 + after.1)).collect();
-        let is_futile =
-            next.meshed.mesh.points.len() > LARGE && next.meshed.wrong() > MANY.max(2 * best.meshed.wrong() / 3);
-        if next.meshed.wrong() < best.meshed.wrong() {
+        (sizing, places) = (refined, next.meshed.faulty_places());
+        let (before, after) = (best.meshed.wrong(), next.meshed.wrong());
+        let is_futile = next.meshed.mesh.points.len() > LARGE && after > MANY.max(2 * before / 3);
+        let times = zip(&best.times, &next.times).map(|(spent, more)| (spent.0, spent.1 + more.1)).collect();
+        if after < before {
             best = next;
+        } else {
+            latest = Some(next.surface);
         }
         best.times = times;
         if is_futile {

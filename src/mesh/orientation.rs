@@ -3,7 +3,7 @@
 //! # Theory
 //! A face is inverted where its normal points against the sheet that it lies on: the triangle of the surface nearest to its
 //! middle. Several triangles can be equally near, beside an edge: none of them may oppose the face. A wall perpendicular to the
-//! face does not count, nor do two sheets that lie on each other. No search is needed where the sheets at all corners are known and
+//! face does not count, nor do two sheets that lie on each other, at one place. No search is needed where the sheets at all corners are known and
 //! agree, which is the usual case.
 //!
 //! # Practice
@@ -75,7 +75,7 @@ impl<'a> Orientation<'a> {
         let unit = normal.normalize_or_zero();
         let found: Vec<u32> = self.triangles().within(middle, distance + EQUALLY_NEAR).collect();
         let cosine = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3().dot(unit);
-        if found.iter().all(|&triangle| cosine(triangle) >= PERPENDICULAR) {
+        if found.iter().all(|&triangle| cosine(triangle) >= -PERPENDICULAR) {
             return false;
         }
         let on = |triangle: u32| {
@@ -161,6 +161,12 @@ mod tests {
         let flat = [[0.4, 0.4], [0.6, 0.4], [0.5, 0.6]].map(|[x, y]| DVec3::from(double.frame().to_unit([x, y, 0.0])));
         assert!(!orientation.is_inverted(&flat, unknown()), "both sheets are equally near");
         assert!(!orientation.is_inverted(&[flat[0], flat[2], flat[1]], unknown()));
+        // In the middle of a wall both of its sides are equally near, at two places.
+        let between = [[0.4, 0.4], [0.6, 0.4], [0.5, 0.6]];
+        let between = between.map(|[x, y]| DVec3::from(surface.frame().to_unit([x, y, 0.05])));
+        let orientation = Orientation::new(&surface);
+        assert!(orientation.is_inverted(&between, unknown()));
+        assert!(orientation.is_inverted(&[between[0], between[2], between[1]], unknown()));
     }
 
     /// A floor that looks up, and a wall below its edge at x = 1 that looks along x.

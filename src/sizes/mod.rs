@@ -19,7 +19,7 @@ mod wanted;
 
 pub use file::{SizeFileError, SizeSample, read_sizes, samples};
 pub use wanted::SizeOptions;
-pub(crate) use wanted::Wanted;
+pub(crate) use wanted::{FEW, Wanted};
 
 use crate::geometry::barycentric;
 use crate::surface::{NONE, Surface};

@@ -16,14 +16,14 @@ const LEAST: f64 = 0.25;
 const THINNEST: f64 = 0.1;
 /// The least number of tiles on a part of the surface.
 const LEAST_TILES: f64 = 14.0;
-/// A part that so many tile sides squared cover is too small for tiles.
+/// A part whose tiles would be smaller than this, in tile sides, has hardly any area and no tiles of its own.
 const SPECK: f64 = 0.01;
 /// Where thin parts take more tiles than this share of the count beside those that they would have, the count is raised.
 const THIN_SHARE: f64 = 0.5;
 /// The distance from a place within which tiles are made smaller, in their sides.
 const REFINED: f64 = 1.5;
 /// Where no more tiles than this are asked for, smaller ones are added to them.
-const FEW: usize = 300;
+pub(crate) const FEW: usize = 300;
 /// The samples that the size of a place is a mean of.
 const NEAREST: usize = 8;
 /// Rounds of fitting the scale to the count; each leaves about a tenth of the error.
@@ -161,23 +161,23 @@ impl Wanted<'_> {
         if self.options.samples.is_empty() && self.turns.is_none() && self.girths.is_none() && self.limits.is_none() {
             return Ok(Sizes::equal());
         }
-        let growth = Growth::new(surface);
-        let scale = self.scale(surface, &growth, count)?;
-        relative(surface, &self.sides(&growth, scale), scale)
+        Ok(self.fitted(surface, count)?.0)
     }
 
-    /// The scale of the samples' sides at which `count` tiles cover the surface.
-    fn scale(&self, surface: &Surface, growth: &Growth, count: usize) -> Result<f64, SizesError> {
+    /// Sizes for which `count` tiles cover the surface, and their sides, in unit-sized coordinates.
+    fn fitted(&self, surface: &Surface, count: usize) -> Result<(Sizes, Vec<f64>), SizesError> {
+        let growth = Growth::new(surface);
         let mut scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
-        for _ in 0..ROUNDS {
-            let sizes = relative(surface, &self.sides(growth, scale), scale)?;
+        let mut rounds = 0..ROUNDS;
+        loop {
+            let sides = self.sides(&growth, scale);
+            let sizes = relative(surface, &sides, scale)?;
             let found = sizes.count_for_side(surface, scale) / count as f64;
-            if found.ln().abs() < COUNT_ERROR {
-                break;
+            if found.ln().abs() < COUNT_ERROR || rounds.next().is_none() {
+                return Ok((sizes, sides));
             }
             scale *= found.sqrt();
         }
-        Ok(scale)
     }
 
     /// Half the sides where they are, within [`REFINED`] of the places, in model units.
@@ -185,9 +185,7 @@ impl Wanted<'_> {
     /// # Errors
     /// As [`Wanted::sizes`].
     pub fn refined(mut self, surface: &Surface, count: usize, places: &[[f64; 3]]) -> Result<Self, SizesError> {
-        let growth = Growth::new(surface);
-        let scale = self.scale(surface, &growth, self.raised(surface, count)?)?;
-        let sides = self.sides(&growth, scale);
+        let (_, sides) = self.fitted(surface, self.raised(surface, count)?)?;
         let places = RTree::bulk_load(places.iter().map(|&place| surface.frame().to_unit(place)).collect());
         let mut limits = self.limits.take().unwrap_or_else(|| vec![f64::INFINITY; surface.vertex_count()]);
         for (v, (limit, side)) in (0..).zip(limits.iter_mut().zip(&sides)) {

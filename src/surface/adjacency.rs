@@ -7,10 +7,13 @@
 //! vertices at one place are remembered, so that the mesh can be joined there again. Solids in contact along a flat wall are
 //! not joined inside the wall.
 
+use super::boxes::Bounds;
 use super::{Frame, NONE, Repairs, SurfaceError, next, previous};
 use crate::progress::Progress;
 use glam::Vec3;
 use rayon::prelude::*;
+use rstar::RTree;
+use rstar::primitives::{GeomWithData, Rectangle};
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 
@@ -189,9 +192,7 @@ struct Solid {
     triangles: Vec<usize>,
     /// Six times its volume: negative where its triangles look inward.
     volume: f64,
-    /// The corners of its bounding box.
-    low: Vec3,
-    high: Vec3,
+    bounds: Bounds,
 }
 
 impl Solid {
@@ -201,19 +202,33 @@ impl Solid {
             let [a, b, c] = corners(t).map(|p| p.as_dvec3());
             a.dot(b.cross(c)) * if turned[t] { -1.0 } else { 1.0 }
         };
-        let all = || component.iter().flat_map(|&t| corners(t));
         Self {
             volume: component.iter().map(volume).sum(),
-            low: all().fold(Vec3::INFINITY, Vec3::min),
-            high: all().fold(Vec3::NEG_INFINITY, Vec3::max),
+            bounds: component.iter().map(|&t| Bounds::of(&corners(t))).fold(Bounds::EMPTY, Bounds::joined),
             triangles: component,
         }
     }
+}
 
-    /// Whether its bounding box lies inside the other's.
-    fn is_inside(&self, outer: &Self) -> bool {
-        self.low.cmpgt(outer.low).all() && self.high.cmplt(outer.high).all()
+/// For each closed component whether it, or the largest one whose bounding box holds its own, looks inward.
+fn look_inward(solids: &[Solid]) -> Vec<bool> {
+    if solids.iter().all(|solid| solid.volume >= 0.0) {
+        return vec![false; solids.len()];
     }
+    let boxed = |(k, solid): (usize, &Solid)| {
+        let Bounds { low, high } = solid.bounds;
+        GeomWithData::new(Rectangle::from_corners(low.to_array(), high.to_array()), k)
+    };
+    let boxes = RTree::bulk_load(solids.iter().enumerate().map(boxed).collect());
+    let outermost = |solid: &Solid| {
+        let around =
+            boxes.locate_all_at_point(solid.bounds.low.to_array()).map(|found| (&solids[found.data], found.data));
+        let outer = around.filter(|(outer, _)| solid.bounds.is_inside(&outer.bounds));
+        outer
+            .max_by(|a, b| a.0.volume.abs().total_cmp(&b.0.volume.abs()).then(b.1.cmp(&a.1)))
+            .map(|(outer, _)| outer.volume)
+    };
+    solids.iter().map(|solid| outermost(solid).unwrap_or(solid.volume) < 0.0).collect()
 }
 
 /// The triangles that must be reversed: those of a component look the same way, and outward where it is closed. One inside another
@@ -260,12 +275,8 @@ fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -
             solids.push(Solid::new(points, triangles, &turned, component));
         }
     }
-    for solid in &solids {
-        let outer = solids.iter().filter(|outer| solid.is_inside(outer));
-        let outermost = outer.max_by(|a, b| a.volume.abs().total_cmp(&b.volume.abs())).unwrap_or(solid);
-        if outermost.volume < 0.0 {
-            solid.triangles.iter().for_each(|&t| turned[t] ^= true);
-        }
+    for (solid, _) in solids.iter().zip(look_inward(&solids)).filter(|(_, looks_inward)| *looks_inward) {
+        solid.triangles.iter().for_each(|&t| turned[t] ^= true);
     }
     Ok(turned)
 }

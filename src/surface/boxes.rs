@@ -21,7 +21,8 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+    /// The box of nothing.
+    pub const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
 
     /// The box of some points.
     pub fn of(points: &[Vec3]) -> Self {
@@ -33,8 +34,14 @@ impl Bounds {
         Self { low: self.low - margin, high: self.high + margin }
     }
 
-    fn joined(self, other: Self) -> Self {
+    /// The box of both.
+    pub fn joined(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    /// Whether it lies inside another box and touches none of its sides.
+    pub fn is_inside(&self, outer: &Self) -> bool {
+        self.low.cmpgt(outer.low).all() && self.high.cmplt(outer.high).all()
     }
 
     fn meets(&self, other: &Self) -> bool {

@@ -2,8 +2,8 @@
 //!
 //! # Practice
 //! Coordinates are read as f64, recentred, divided by the diagonal of their bounding box, and computed with as f32; [`Frame`] reverts
-//! the transform. For writing, the input's own coordinates stay beside them ([`Surface::model_point`]). So a surface far from the origin, or very small or large, is meshed as its recentred,
-//! unit-sized copy is.
+//! the transform. For writing, the input's own coordinates stay beside them ([`Surface::model_point`]). So a surface far from the
+//! origin, or very small or large, is meshed as its recentred, unit-sized copy is.
 
 mod adjacency;
 mod apexes;
@@ -21,6 +21,7 @@ mod denoise;
 mod divide;
 mod edge_file;
 mod edges;
+mod error;
 pub mod examples;
 mod features;
 mod fine;
@@ -53,6 +54,7 @@ pub use curve::Curve;
 pub(crate) use curve::shared_curves;
 pub use denoise::Denoised;
 pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
+pub use error::{SurfaceError, shown};
 pub use features::{DroppedEdge, FeatureOptions, Features, Reason};
 pub(crate) use fine::Projected;
 pub use regions::Regions;
@@ -60,14 +62,13 @@ pub use repairs::{Length, LengthError, Places, RepairOptions, Repairs};
 pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
 
 use crate::geometry::{cross, dot, unit};
-use crate::progress::{Cancelled, Progress, unwatched};
+use crate::progress::{Progress, unwatched};
 use crate::sets::Sets;
 use adjacency::Adjacency;
 use fine::Fine;
 use given::Given;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
-use thiserror::Error;
 use weld::Welded;
 
 /// No half-edge, triangle or vertex.
@@ -142,111 +143,6 @@ impl Frame {
     pub fn to_model(&self, point: [f64; 3]) -> [f64; 3] {
         (DVec3::from(point) * self.diagonal + DVec3::from(self.centre)).into()
     }
-}
-
-/// Why a soup of triangles is no surface that can be meshed.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum SurfaceError {
-    /// There is nothing to mesh.
-    #[error("the surface has no triangles; check that the file holds faces")]
-    Empty,
-    /// Nothing is left of the triangles at the precision that is computed with.
-    #[error(
-        "none of the {given} triangles has any area: their corners lie on a line, or within a ten-millionth of the \
-         model's size of one; check the coordinates"
-    )]
-    NoArea {
-        /// Triangles that were given.
-        given: usize,
-    },
-    /// A length of the repairs is none.
-    #[error("{length} of the model's diagonal is no length for {name}; give one above 0{}", upper_limit(*.most))]
-    RepairLength {
-        /// The repair.
-        name: &'static str,
-        /// The length, in diagonals of the bounding box.
-        length: f64,
-        /// The largest, in diagonals of the bounding box.
-        most: f64,
-    },
-    /// Each part of the surface is smaller than those that are to be dropped.
-    #[error(
-        "no part of the surface is left: the largest is {largest:.6e} across, and those below {limit:.6e} are to be dropped; \
-         give a smaller limit"
-    )]
-    AllPartsSmall {
-        /// The limit, in model units.
-        limit: f64,
-        /// The diagonal of the largest part's bounding box, in model units.
-        largest: f64,
-    },
-    /// The triangles of one component cannot be oriented alike.
-    #[error("the surface is not orientable: a one-sided strip passes triangle {triangle} at {}; cut it open there", shown(.at))]
-    NotOrientable {
-        /// A triangle, counted from 0 in the order of the file, where the two orientations meet.
-        triangle: usize,
-        /// Its first corner, in model units.
-        at: [f64; 3],
-    },
-    /// A feature edge names a vertex that is not there.
-    #[error("{name}: there is no vertex {number} in the surface's file")]
-    NoSuchVertex {
-        /// What the edge is called.
-        name: String,
-        /// The vertex, counted from 1.
-        number: usize,
-    },
-    /// A feature edge ends where there is no vertex.
-    #[error("{name}: the surface has no vertex at {}; give the place of one, in the units of the surface", shown(.at))]
-    NoVertexAt {
-        /// What the edge is called.
-        name: String,
-        /// The place, in model units.
-        at: [f64; 3],
-    },
-    /// A feature edge is none of the surface's.
-    #[error(
-        "{name}: no edge, and no straight line of edges, joins {} and {}; name edges of the surface",
-        shown(.from), shown(.to)
-    )]
-    NoEdges {
-        /// What the edge is called.
-        name: String,
-        /// One end, in model units.
-        from: [f64; 3],
-        /// The other.
-        to: [f64; 3],
-    },
-    /// An index points past the last point.
-    #[error("triangle {triangle} uses point {index}, but there are only {points} points")]
-    IndexOutOfRange {
-        /// The triangle, counted from 0.
-        triangle: usize,
-        /// The index that it uses.
-        index: u32,
-        /// The number of points.
-        points: usize,
-    },
-    /// The run was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// A coordinate is NaN or infinite, or the extent overflows.
-    #[error("point {point} has a coordinate that is not finite or too large to compute with")]
-    NotFinite {
-        /// The point, counted from 0.
-        point: usize,
-    },
-}
-
-fn upper_limit(most: f64) -> String {
-    if most < f64::MAX { format!(" and of at most {most} of it") } else { String::new() }
-}
-
-/// A place in messages: seven significant digits are enough to find it.
-pub fn shown(place: &[f64; 3]) -> String {
-    let [x, y, z] = place.map(|x| format!("{x:.6e}").parse().unwrap_or(x) + 0.0);
-    format!("({x}, {y}, {z})")
 }
 
 /// A welded, consistently oriented triangle surface, each sheet of it a manifold, with adjacency and features, in unit-sized coordinates.
