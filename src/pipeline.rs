@@ -286,7 +286,7 @@ pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 /// Meshes a soup of triangles. `watch` receives each stage and the share of it that is done; it is called at least every tenth of a
 /// second or so, and can cancel the run.
 ///
-/// Where so few points are asked for that the mesh has faults, it is made again with more.
+/// A mesh with faults is made again, with smaller tiles there.
 ///
 /// # Errors
 /// Where the surface cannot be meshed, the options are invalid, the backend fails, or `watch` cancels the run.
@@ -299,7 +299,18 @@ pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch)
     let mut clock = Clock::new(progress);
     clock.begin(Stage::Surface)?;
     let prepared = prepared(repaired(soup, options, progress)?, options, progress)?;
-    let (mut sizing, mut best) = attempt(prepared, options, backend, clock)?;
+    let (sizing, first) = attempt(prepared, options, backend, clock)?;
+    refine(first, sizing, options, backend, progress)
+}
+
+/// Makes a mesh with faults again, with smaller tiles there, and returns the best one.
+fn refine(
+    mut best: Outcome,
+    mut sizing: Sizing,
+    options: &Options,
+    backend: &dyn Backend,
+    progress: &Progress,
+) -> Result<Outcome, PipelineError> {
     let mut places = best.meshed.faulty_places();
     // The surface of the latest mesh, where that is not the best one.
     let mut latest = None;

@@ -7,11 +7,16 @@ log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
 # Lints and docs: one check each. A missing component of the toolchain is a skip, not a failure.
-passed=0 failed=0 skipped=0
+passed=0 failed=0 skipped=0 failures=()
+fail() {
+    failed=$((failed + 1))
+    failures+=("FAILED $1")
+    echo "FAILED $1"
+}
 check() {
     local what=$1; shift
     echo "== $what, after $SECONDS s"
-    if "$@"; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED $what"; fi
+    if "$@"; then passed=$((passed + 1)); else fail "$what"; fi
 }
 skip() {
     echo "SKIPPED $1: $2"
@@ -69,7 +74,7 @@ bash tests/formats.sh
 case $? in
     0) passed=$((passed + 1)) ;;
     77) skip "formats" "the programs that read them cannot be installed" ;;
-    *) failed=$((failed + 1)); echo "FAILED formats" ;;
+    *) fail formats ;;
 esac
 
 # A browser shows the pages, and draws on them.
@@ -78,7 +83,7 @@ bash tests/page.sh
 case $? in
     0) passed=$((passed + 1)) ;;
     77) skip "page" "the browser cannot be installed" ;;
-    *) failed=$((failed + 1)); echo "FAILED page" ;;
+    *) fail page ;;
 esac
 
 # What a release is made of.
@@ -88,7 +93,7 @@ bash tests/python.sh
 case $? in
     0) passed=$((passed + 1)) ;;
     77) skip "python" "PyPI cannot be reached" ;;
-    *) failed=$((failed + 1)); echo "FAILED python" ;;
+    *) fail python ;;
 esac
 
 # One profile, so that the dependencies are built once. A test that skips itself says so in a line of its own, and
@@ -111,6 +116,11 @@ read -r p f s <<<"$counts"
 if [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
 passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
 
+# The end of a long log is what is read: each failure stands there again, with what it said.
+if [ "$failed" -gt 0 ]; then
+    printf '%s\n' "${failures[@]}"
+    grep -E -A 3 '^test .* FAILED$|panicked at|^error' "$log"
+fi
 echo "$SECONDS s"
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]
