@@ -11,7 +11,7 @@ const COUNT_TOLERANCE: f64 = 0.05;
 
 impl Report {
     /// What a user should know of the run, a sentence each: guides without full effect, tiles without the wanted aspect, repairs that
-    /// show in the mesh, sheets that touch or cross, and a number of vertices that misses the wanted one. What is wrong with the mesh
+    /// show in the mesh, sheets that touch or cross, a number of vertices that misses the wanted one, and options without effect. What is wrong with the mesh
     /// itself is in [`Report::wrong`].
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = of_guides(&self.field.guides);
@@ -19,6 +19,7 @@ impl Report {
         warnings.extend(of_surface(&self.surface));
         warnings.extend(self.symmetry.iter().flat_map(of_symmetry));
         warnings.extend(self.count_warning());
+        warnings.extend(self.ineffective.iter().map(ToString::to_string));
         warnings
     }
 

@@ -1,5 +1,6 @@
 //! The choice of the backend of the heavy stages.
 
+use super::output::warn;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use quadmosaic::Mesher;
@@ -49,6 +50,9 @@ impl Machine {
     /// Where there is no such adapter, it cannot be opened, or it refuses the kernels.
     pub fn mesher(&self) -> anyhow::Result<Mesher> {
         let adapter = self.adapter.as_deref();
+        if adapter.is_some() && self.backend == Choice::Cpu {
+            warn(["--adapter had no effect with --backend cpu".to_owned()]);
+        }
         Ok(match self.backend {
             Choice::Cpu => Mesher::cpu(),
             Choice::Auto if adapter.is_none() => Mesher::auto()?,

@@ -1,6 +1,7 @@
 //! `quadmosaic batch`.
 
 use super::backend::Machine;
+use super::config::ConfigArguments;
 use super::input::Input;
 use super::method::MethodArguments;
 use super::output::print;
@@ -30,7 +31,7 @@ use std::time::Instant;
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// The surfaces: files, or examples (example:m6)
-    #[arg(value_name = "IN", required_unless_present = "list")]
+    #[arg(value_name = "IN", required_unless_present_any = ["list", "print_config"])]
     surfaces: Vec<Input>,
     /// More surfaces from a file, one a line; empty lines and those that begin with # are passed over
     #[arg(long, value_name = "FILE")]
@@ -44,6 +45,8 @@ pub struct Arguments {
     /// Surfaces that are meshed at the same time, up to 1024; 0: as many as there are threads
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>)]
     jobs: usize,
+    #[command(flatten)]
+    _config: ConfigArguments,
     #[command(flatten)]
     method: MethodArguments,
     #[command(flatten)]

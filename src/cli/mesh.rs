@@ -1,6 +1,7 @@
 //! `quadmosaic mesh`.
 
 use super::backend::Machine;
+use super::config::ConfigArguments;
 use super::input::Source;
 use super::mesh_output::MeshOutput;
 use super::method::MethodArguments;
@@ -31,6 +32,8 @@ pub struct Arguments {
     #[command(flatten)]
     output: MeshOutput,
 
+    #[command(flatten)]
+    _config: ConfigArguments,
     #[command(flatten)]
     method: MethodArguments,
     /// Exit with code 3 and write no file where the mesh has a fault, or differs from the surface in its Euler characteristic,

@@ -3,16 +3,24 @@
 use super::field_arguments::FieldArguments;
 use super::fineness::FinenessArguments;
 use super::layout::LayoutArguments;
-use clap::{Args, ValueEnum};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, CommandFactory, ValueEnum, error::ErrorKind};
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::connectivity::{self, ConnectivityOptions};
 use quadmosaic::mesh::fill;
-use quadmosaic::options::{degrees, distance, up_to};
-use quadmosaic::pipeline::Options;
+use quadmosaic::options::{self, degrees, distance, up_to};
+use quadmosaic::pipeline::{Contradiction, Layout, Options};
 use quadmosaic::symmetry::Symmetry;
 
 #[derive(Args)]
 pub struct MethodArguments {
+    /// How the tiles are laid: sets --fit, --rows and --quads [default: mosaic]
+    ///
+    /// How the tiles are laid. Sets --fit, --rows and --quads, which override it, each one. `mosaic` is best where edges are to be
+    /// equal, or of given sizes, and `even` on smooth and slender surfaces where a few triangles do no harm. `quads` is best where a
+    /// solver or an artist wants quads alone, with few irregular vertices [default: mosaic]
+    #[arg(long, value_parser = layouts(), help_heading = "Options together")]
+    layout: Option<Layout>,
     #[command(flatten)]
     fineness: FinenessArguments,
     /// Mesh the half of larger coordinates, and join its mirror image to it, bit for bit: x, y or z, the axis across which the plane
@@ -48,7 +56,7 @@ pub struct MethodArguments {
     smoothing: usize,
 
     #[command(flatten)]
-    layout: LayoutArguments,
+    rows: LayoutArguments,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -82,10 +90,11 @@ impl MethodArguments {
     /// The options.
     ///
     /// # Errors
-    /// Where a file of sizes, guides or feature edges cannot be read.
+    /// Where options contradict the layout, or a file of sizes, guides or feature edges cannot be read.
     pub fn options(&self) -> anyhow::Result<Options> {
         let rest = Options {
             symmetry: self.symmetry,
+            layout: self.layout.unwrap_or_default(),
             sizes: self.fineness.sizes()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {
@@ -104,6 +113,15 @@ impl MethodArguments {
             smoothing: self.smoothing,
             ..Options::new(self.fineness.fineness())
         };
-        self.layout.options(&self.directions, rest)
+        let options = self.rows.options(&self.directions, rest)?;
+        let refused = Contradiction::expect_none(&options);
+        refused.map_err(|error| super::Arguments::command().error(ErrorKind::ArgumentConflict, error))?;
+        Ok(options)
     }
+}
+
+/// The names of layouts, with what they are.
+fn layouts() -> impl TypedValueParser<Value = Layout> {
+    let value = |layout: Layout| PossibleValue::new(layout.name()).help(layout.purpose());
+    PossibleValuesParser::new(Layout::ALL.map(value)).try_map(|name| options::layout(&name))
 }
