@@ -27,7 +27,9 @@ pub struct Machine {
     /// The GPU whose name contains this text (see `quadmosaic devices`)
     #[arg(long, value_name = "NAME", help_heading = "Machine")]
     adapter: Option<String>,
-    /// Threads on the CPU, up to 1024; 0: as many as there are cores. The result is the same for any number
+    /// Threads on the CPU, up to 1024; 0: as many as there are cores
+    ///
+    /// The result is the same for any number
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>, help_heading = "Machine")]
     threads: usize,
 }

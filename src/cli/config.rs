@@ -20,19 +20,17 @@ use toml::de::{DeTable, DeValue};
 #[derive(Args)]
 #[command(next_help_heading = "Options together")]
 pub struct ConfigArguments {
-    /// The options for a purpose; others override them
-    ///
-    /// The options for a purpose, which others override, each one
+    /// The options for a purpose; others override them, each one
     #[arg(long, value_parser = presets())]
     preset: Option<Preset>,
-    /// Options from a TOML file, as points = 6000; the command line overrides them
+    /// Options from a TOML file, as points = 6000
     ///
-    /// Options from a TOML file, by their long names: points = 6000, quads = "all", strict = true; lists where an option may be given
-    /// many times. They override a preset, and the command line overrides them; there --strict=false takes back a flag. Paths are
-    /// those of the current folder.
+    /// Options have their long names: points = 6000, quads = "all", strict = true; those that may be given many times take lists. They
+    /// override a preset, and the command line overrides them; there --strict=false takes back a flag. Paths begin in the current
+    /// folder
     #[arg(long, value_name = "FILE.toml")]
     config: Option<PathBuf>,
-    /// Print the options that result, as a file for --config, and mesh nothing
+    /// Print the options that result, as a file for --config; mesh nothing
     #[arg(long)]
     print_config: bool,
 }
@@ -77,18 +75,18 @@ pub fn parse(arguments: &[OsString]) -> anyhow::Result<Request> {
         return run(command, arguments);
     };
     let mut completion = Completion::new(subcommand, given);
+    completion.lay_out();
     if let Some(path) = given.get_one::<PathBuf>(CONFIG) {
         completion.add(read(path, &command, subcommand)?);
+        completion.lay_out();
     }
     if let Some(Ok(preset)) = completion.value(PRESET).as_deref().map(preset) {
         completion.add(settings(subcommand, preset.settings(), &format!("preset {}", preset.name())));
-    }
-    if let Some(Ok(layout)) = completion.value(LAYOUT).as_deref().map(layout) {
-        completion.add(settings(subcommand, layout.settings(), &format!("layout {}", layout.name())));
+        completion.lay_out();
     }
     let (start, end) = arguments.split_at(2);
     let all: Vec<OsString> = start.iter().cloned().chain(completion.arguments()).chain(end.iter().cloned()).collect();
-    if !given.get_flag(PRINT) {
+    if given.get_one(PRINT) != Some(&true) {
         return run(command, &all);
     }
     let name = subcommand.get_name();
@@ -190,6 +188,13 @@ impl<'a> Completion<'a> {
         self.given.extend(free);
     }
 
+    /// Adds the options of the layout, where one is given by now; what is added later does not override them.
+    fn lay_out(&mut self) {
+        if let Some(Ok(layout)) = self.value(LAYOUT).as_deref().map(layout) {
+            self.add(settings(self.subcommand, layout.settings(), &format!("layout {}", layout.name())));
+        }
+    }
+
     /// The value of an option, as text.
     fn value(&self, name: &str) -> Option<String> {
         let typed = self.command_line.get_raw(name).and_then(|mut values| values.next());
@@ -209,7 +214,9 @@ impl<'a> Completion<'a> {
             let Some(values) = all.get_raw(id) else { continue };
             let values: Vec<String> = values.map(|value| value.to_string_lossy().into_owned()).collect();
             let value = match (arg.get_action(), values.as_slice()) {
-                (ArgAction::Append, values) => format!("[{}]", values.iter().map(|value| quoted(value)).collect::<Vec<_>>().join(", ")),
+                (ArgAction::Append, values) => {
+                    format!("[{}]", values.iter().map(|value| quoted(value)).collect::<Vec<_>>().join(", "))
+                }
                 (_, [value]) if is_flag(arg) => value.clone(),
                 (_, [value]) => number(value).unwrap_or_else(|| quoted(value)),
                 _ => continue,
@@ -298,7 +305,8 @@ fn values(arg: &Arg, value: &DeValue) -> Result<Vec<String>, String> {
 /// What to say of a key that is no option.
 fn unknown(key: &str, command: &Command, subcommand: &Command) -> String {
     let argument = OsString::from(format!("--{key}"));
-    let asked = command.clone().try_get_matches_from([OsString::from("quadmosaic"), subcommand.get_name().into(), argument]);
+    let asked =
+        command.clone().try_get_matches_from([OsString::from("quadmosaic"), subcommand.get_name().into(), argument]);
     let meant = asked.err().and_then(|error| match error.get(ContextKind::SuggestedArg) {
         Some(ContextValue::String(name)) => Some(format!("; perhaps {} is meant", name.trim_start_matches('-'))),
         _ => None,

@@ -14,17 +14,19 @@ use quadmosaic::symmetry::Symmetry;
 
 #[derive(Args)]
 pub struct MethodArguments {
-    /// How the tiles are laid: sets --fit, --rows and --quads [default: mosaic]
+    /// The rows of tiles: sets --fit, --rows and --quads
     ///
-    /// How the tiles are laid. Sets --fit, --rows and --quads, which override it, each one. `mosaic` is best where edges are to be
-    /// equal, or of given sizes, and `even` on smooth and slender surfaces where a few triangles do no harm. `quads` is best where a
-    /// solver or an artist wants quads alone, with few irregular vertices [default: mosaic]
+    /// --fit, --rows and --quads override it, each one; what contradicts it is refused. `mosaic`, the default, is best where edges are to
+    /// be equal, or of given sizes, and `even` on smooth and slender surfaces where a few triangles do no harm. `quads` is best where a
+    /// solver or an artist wants quads alone, with few irregular vertices
     #[arg(long, value_parser = layouts(), help_heading = "Options together")]
     layout: Option<Layout>,
     #[command(flatten)]
     fineness: FinenessArguments,
-    /// Mesh the half of larger coordinates, and join its mirror image to it, bit for bit: x, y or z, the axis across which the plane
-    /// lies, at 0 or at OFFSET (y:0.5); or auto, which looks for the plane. The number of vertices is that of the whole mesh
+    /// Make the mesh symmetric about a plane, bit for bit
+    ///
+    /// The half of larger coordinates is meshed, and its mirror image is joined to it: x, y or z, the axis across which the plane lies, at
+    /// 0 or at OFFSET (y:0.5); or auto, which looks for the plane. The number of vertices is that of the whole mesh
     #[arg(long, value_name = "AXIS[:OFFSET]|auto", help_heading = "Symmetry")]
     symmetry: Option<Symmetry>,
     #[command(flatten)]
@@ -48,10 +50,12 @@ pub struct MethodArguments {
     /// The triangles that become quads
     #[arg(long, value_enum, default_value_t, help_heading = "Connection")]
     quads: Quads,
-    /// Do not optimise the connectivity: keep the triangles of the filling
+    /// No edits of the connectivity: keep the triangles of the filling
     #[arg(long, conflicts_with = "quads", help_heading = "Connection")]
     no_cleanup: bool,
-    /// Passes of vertex relocation, 0 to 1000; 0: vertices stay at the centres of tiles
+    /// Passes of vertex relocation, 0 to 1000
+    ///
+    /// 0: vertices stay at the centres of tiles
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
     smoothing: usize,
 

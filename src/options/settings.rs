@@ -51,7 +51,7 @@ impl Preset {
     pub const fn settings(self) -> &'static [Setting] {
         match self {
             Self::Cfd => &[("layout", "mosaic"), ("refine-curvature", "15"), ("ridge", "60")],
-            Self::Fem => &[("layout", "quads")],
+            Self::Fem => &[("layout", "even"), ("quads", "all")],
             Self::Scan => &[
                 ("layout", "mosaic"),
                 ("crease", "180"),
@@ -120,5 +120,28 @@ impl Options {
             let set = self.set(&name.replace('-', "_"), value);
             debug_assert_eq!(set, Ok(()), "the settings are valid");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::{Contradiction, Fineness};
+
+    #[test]
+    fn each_setting_is_valid_and_contradicts_no_other() {
+        let plain = || Options::new(Fineness::Points(100));
+        let all = Layout::ALL.map(Layout::settings).into_iter().chain(Preset::ALL.map(Preset::settings));
+        for (name, value) in all.flatten() {
+            assert_eq!(plain().set(&name.replace('-', "_"), value), Ok(()), "{name} {value}");
+        }
+        assert!(plain().set("layout", "odd").is_err());
+        for layout in Layout::ALL {
+            assert_eq!(Contradiction::expect_none(&plain().with_layout(layout)), Ok(()));
+        }
+        for preset in Preset::ALL {
+            assert_eq!(Contradiction::expect_none(&plain().with_preset(preset)), Ok(()));
+        }
+        assert!(Contradiction::expect_none(&plain().with_layout(Layout::Quads).with_paper_clean_up()).is_err());
     }
 }

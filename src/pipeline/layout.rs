@@ -40,7 +40,9 @@ impl Layout {
 #[non_exhaustive]
 pub enum Contradiction {
     /// The layout is [`Layout::Quads`], and triangles are to stay.
-    #[error("the layout quads has no triangles, but quads {0} keeps some; leave out one of them, or ask for the layout even")]
+    #[error(
+        "the layout quads has no triangles, but quads {0} keeps some; leave out one of them, or ask for the layout even"
+    )]
     Triangles(&'static str),
     /// The layout is [`Layout::Quads`], and the connectivity is to stay.
     #[error("the layout quads needs the clean-up, which removes triangles; allow it, or ask for the layout even")]
@@ -52,7 +54,9 @@ pub enum Contradiction {
     #[error("the layout even has sides that fit the field, but fit 0 makes them equal; leave out one of them")]
     EqualSides,
     /// Sides are to fit the field, and tiles to be rectangles.
-    #[error("the layout {0} has sides that fit the field, which rectangular tiles do not; leave out the aspect, or ask for the layout mosaic")]
+    #[error(
+        "the layout {0} has sides that fit the field, which rectangular tiles do not; leave out the aspect, or ask for the layout mosaic"
+    )]
     Rectangles(&'static str),
 }
 
