@@ -13,9 +13,11 @@
 //! Call [`run`] with [`Options::new`]. Then check [`Meshed::faults`] and [`Meshed::differences`]: a mesh with either is returned
 //! all the same.
 
+mod layout;
 mod prepare;
 mod symmetric;
 
+pub use layout::{Contradiction, Layout};
 pub use prepare::prepare;
 pub use symmetric::Symmetric;
 
@@ -71,6 +73,9 @@ pub struct Options {
     pub edges: Vec<NamedEdge>,
     /// The constraints of the field beside features.
     pub field: FieldOptions,
+    /// The layout that [`rows`](Self::rows), [`fit`](Self::fit) and [`Quads`] were set for by [`Options::with_layout`]; what
+    /// contradicts it is refused. Default: the mosaic, which nothing contradicts.
+    pub layout: Layout,
     /// Whether rows of tiles may end.
     pub rows: Rows,
     /// The degree to which the sides of tiles follow the field so that fewer rows end, from 0 (not at all) to 1. Default 0.
@@ -101,6 +106,7 @@ impl Options {
             features: FeatureOptions::default(),
             edges: Vec::new(),
             field: FieldOptions::default(),
+            layout: Layout::default(),
             rows: Rows::default(),
             fit: 0.0,
             fit_range: 2.5,
@@ -139,6 +145,9 @@ pub enum PipelineError {
     /// Tiles cannot have the wanted aspect.
     #[error(transparent)]
     Stretch(StretchError),
+    /// An option contradicts the layout.
+    #[error(transparent)]
+    Contradiction(#[from] Contradiction),
     /// The wanted fineness is invalid.
     #[error(transparent)]
     Fineness(#[from] FinenessError),
@@ -303,6 +312,7 @@ pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 /// # Errors
 /// Where the surface cannot be meshed, the options are invalid, the backend fails, or `watch` cancels the run.
 pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch) -> Result<Outcome, PipelineError> {
+    Contradiction::expect_none(options)?;
     if let Some(symmetry) = options.symmetry {
         return symmetric::run_symmetric(soup, symmetry, options, backend, watch);
     }

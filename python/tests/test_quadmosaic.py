@@ -334,6 +334,29 @@ def test_options_are_those_of_the_library_and_keywords() -> None:
         mesh(CORNERS, CUBE, layers=3)
 
 
+def test_layouts_and_presets_are_overridden() -> None:
+    quads = mesh(CORNERS, CUBE, layout="quads")
+    assert np.array_equal(quads.quads, mesh(CORNERS, CUBE, quads="all", fit=1, rows="continuous").quads)
+    assert len(quads.triangles) == 0
+    fem = mesh(CORNERS, CUBE, preset="fem", layout="mosaic")
+    assert len(mesh(CORNERS, CUBE, preset="fem").triangles) == 0
+    assert np.array_equal(fem.quads, mesh(CORNERS, CUBE).quads)
+    light = quadmosaic.mesh(CORNERS, CUBE, 200, preset="retopo", backend="cpu")
+    assert light.report["asked"] == {"points": 200}
+    assert quadmosaic.mesh(CORNERS, CUBE, preset="retopo", backend="cpu").report["asked"] == {"points": 1500}
+    for options in [{"quads": "paper"}, {"no_cleanup": True}]:
+        with pytest.raises(ValueError, match="^the layout quads ") as caught:
+            mesh(CORNERS, CUBE, layout="quads", **options)  # type: ignore[arg-type]
+        name, value = [(name.replace("_", "-"), value) for name, value in options.items()][0]
+        argument = f"--{name}" if value is True else f"--{name}={value}"
+        said = command("mesh", "example:block", "-o", "none.obj", "--layout", "quads", argument).stderr
+        assert str(caught.value) in " ".join(said.split()), said
+    with pytest.raises(ValueError, match="invalid value 'odd' for layout: write one of mosaic, even, quads"):
+        mesh(CORNERS, CUBE, layout="odd")
+    with pytest.raises(ValueError, match="invalid value 'cad' for preset: write one of cfd, fem, scan, retopo, paper"):
+        mesh(CORNERS, CUBE, preset="cad")
+
+
 def test_guides_and_sizes_from_lists_and_files(tmp_path: Path) -> None:
     vertices, triangles = torus(40, 20)
     plain = mesh(vertices, triangles)
