@@ -531,7 +531,7 @@ pub fn field(
     Ok(field.with_sizes(sizes.times(&fitting)))
 }
 
-/// A mosaic of nearly `count` tiles; `progress` receives the share that is done, from 0 to 1.
+/// A mosaic of nearly `count` tiles, or of the tiles that sizes in model units give; `progress` receives the share that is done, from 0 to 1.
 ///
 /// # Errors
 /// Where the backend fails.
@@ -543,7 +543,9 @@ pub fn lay(
     options: &Options,
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
-    MosaicBuilder { surface, field, backend, effort: Effort::default(), rows: options.rows, progress }.with_count(count)
+    let builder = MosaicBuilder { surface, field, backend, effort: Effort::default(), rows: options.rows, progress };
+    let is_absolute = !matches!(options.fineness, Fineness::Points(_)) && !field.sizes().is_equal();
+    if is_absolute { builder.at_scale_for(count) } else { builder.with_count(count) }
 }
 
 /// Measures the times of stages and reports their progress.

@@ -8,7 +8,7 @@ use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::gpu::GpuBackend;
 use quadmosaic::mesh::Mesh;
 use quadmosaic::pipeline::{Fineness, Options, PipelineError, run, unwatched};
-use quadmosaic::sizes::{SizeFileError, SizeOptions, SizeSample, Sizes, SizesError, read_sizes};
+use quadmosaic::sizes::{LocalSize, SizeFileError, SizeOptions, SizeSample, Sizes, SizesError, read_sizes};
 use quadmosaic::surface::{Soup, Surface};
 use std::fs;
 
@@ -185,6 +185,68 @@ fn curvature_makes_edges_short_where_it_is_strong() {
     // The nose of a wing turns by half a circle within a hundredth of its chord, and bounds the range of 4 from below.
     assert!(range(&fine) > 2.0, "{}", range(&fine));
     assert!(range(&plain) < 1.6, "{}", range(&plain));
+}
+
+/// The lengths of the edges whose middles are chosen, sorted.
+fn lengths(mesh: &Mesh, is_chosen: impl Fn(DVec3) -> bool) -> Vec<f64> {
+    let mut lengths: Vec<f64> = edges(mesh).iter().filter(|edge| is_chosen(edge.0)).map(|edge| edge.1).collect();
+    lengths.sort_by(f64::total_cmp);
+    lengths
+}
+
+fn median(lengths: &[f64]) -> f64 {
+    lengths[lengths.len() / 2]
+}
+
+#[test]
+fn edges_are_small_at_a_place_and_keep_their_size_elsewhere() {
+    let soup = example("plate", 4_000);
+    let local = |text: &str| vec![text.parse::<LocalSize>().expect("a size")];
+    let of = |sizes: SizeOptions| meshed(&soup, &Options { sizes, ..Options::new(Fineness::Size(0.04)) }, &Cpu);
+    let plain = of(SizeOptions::default());
+    let boxed = of(SizeOptions { local: local("0.8,0.8,-1,1,1,1:0.01"), ..SizeOptions::default() });
+    let in_box = |p: DVec3| p.x > 0.85 && p.y > 0.85;
+    let far = |p: DVec3| p.x < 0.3 && p.y < 0.3;
+    let [inside, outside] = [median(&lengths(&boxed, in_box)), median(&lengths(&boxed, far))];
+    assert!((inside / 0.01 - 1.0).abs() < 0.15 && (outside / 0.04 - 1.0).abs() < 0.15, "{inside}, {outside}");
+    assert!((median(&lengths(&plain, in_box)) / 0.04 - 1.0).abs() < 0.15);
+    // Between two bounds they are all alike.
+    let (least, largest) = (Some(0.02), Some(0.03));
+    let bounded = of(SizeOptions { local: local("boundaries:0.001"), least, largest, ..SizeOptions::default() });
+    let all = lengths(&bounded, |_| true);
+    assert!(
+        all[all.len() / 50] > 0.8 * 0.02 && all[all.len() * 49 / 50] < 1.5 * 0.03,
+        "{:?}",
+        [all[0], all[all.len() - 1]]
+    );
+}
+
+#[test]
+fn a_round_hole_has_so_many_edges() {
+    let soup = example("plate", 4_000);
+    let on_rim = |p: DVec3| (p.distance(DVec3::new(0.5, 0.5, 0.0)) - 0.2).abs() < 0.004;
+    for (around, size) in [(24, 0.1), (40, 0.05)] {
+        let sizes = SizeOptions { around_holes: around, ..SizeOptions::default() };
+        let mesh = meshed(&soup, &Options { sizes, ..Options::new(Fineness::Size(size)) }, &Cpu);
+        assert_eq!(lengths(&mesh, on_rim).len(), around);
+    }
+    let plain = meshed(&soup, &Options::new(Fineness::Size(0.1)), &Cpu);
+    assert!(lengths(&plain, on_rim).len() < 20);
+}
+
+#[test]
+fn sizes_that_cannot_be_are_refused() {
+    let soup = example("plate", 500);
+    let said = |sizes: SizeOptions| {
+        let options = Options { sizes, ..Options::new(Fineness::Points(200)) };
+        run(&soup, &options, &Cpu, &unwatched).err().map(|error| error.to_string())
+    };
+    let local = |text: &str| vec![text.parse::<LocalSize>().expect("a size")];
+    let nowhere = said(SizeOptions { local: local("ridges:0.1"), ..SizeOptions::default() });
+    assert_eq!(nowhere.as_deref(), Some("the surface has no ridges, for which a size is given"));
+    let range = said(SizeOptions { least: Some(0.2), largest: Some(0.1), ..SizeOptions::default() });
+    assert_eq!(range.as_deref(), Some("the least size 0.2 is larger than the largest, 0.1"));
+    assert_eq!(said(SizeOptions { local: local("boundaries:0.1"), ..SizeOptions::default() }), None);
 }
 
 #[test]

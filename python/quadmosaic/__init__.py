@@ -156,6 +156,10 @@ def mesh(
     refine_curvature: Optional[float] = None,
     around: Optional[int] = None,
     max_growth: Optional[float] = None,
+    size_at: Union[str, Sequence[str], None] = None,
+    around_holes: Optional[int] = None,
+    min_size: Optional[float] = None,
+    max_size: Optional[float] = None,
     weld: Optional[Length] = None,
     imprint: bool = False,
     drop_parts: Optional[Length] = None,
@@ -219,7 +223,7 @@ def mesh(
         _integers(triangles, "triangles"),
         None if regions is None else _regions(regions, region_names),
         _attributes(attributes or {}, corner_attributes or {}),
-        [(name, _text(value)) for name, value in values.items() if value is not None and value is not False],
+        [(name, text) for name, value in values.items() for text in _texts(value)],
         _guides(guides),
         _file_or(_floats, sizes, "sizes"),
         _file_or(_integers, feature_edges, "feature_edges"),
@@ -285,6 +289,13 @@ def save(
 
 
 _OPTIONS = tuple(_native.option_names())
+
+
+def _texts(value: Any) -> list[str]:
+    """The values of an option, each as the command line writes it; none where it is not given."""
+    if value is None or value is False:
+        return []
+    return [_text(item) for item in value] if isinstance(value, (list, tuple)) else [_text(value)]
 
 
 def _text(value: Any) -> str:

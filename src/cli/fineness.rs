@@ -3,7 +3,7 @@
 use clap::Args;
 use quadmosaic::options::{degrees, growth, points, positive, up_to};
 use quadmosaic::pipeline::Fineness;
-use quadmosaic::sizes::{SizeOptions, read_sizes};
+use quadmosaic::sizes::{LocalSize, SizeOptions, read_sizes};
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -43,6 +43,23 @@ pub struct FinenessArguments {
     /// Edges are smaller there, down to a tenth. 0 to 100; 0: any
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = up_to::<100>, help_heading = "Fineness")]
     around: usize,
+    /// The largest edge at a place, as ridges:0.003
+    ///
+    /// PLACE:SIZE or PLACE:SIZE:GROWTH, in model units, many times. A place is features, boundaries, creases, ridges, two corners of a box
+    /// as 0,0,0,1,2,3, or the name of a region. Away from it edges grow by GROWTH, or --max-growth
+    #[arg(long, value_name = "PLACE:SIZE", allow_hyphen_values = true, help_heading = "Fineness")]
+    size_at: Vec<LocalSize>,
+    /// The least number of edges round each round hole (0 to 1000)
+    ///
+    /// Also round other closed features that are round; fewer where they would be shorter than about a third of those around. 0: any
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1000>, help_heading = "Fineness")]
+    around_holes: usize,
+    /// The least edge length, in model units, whatever else asks for shorter ones
+    #[arg(long, value_name = "H", value_parser = positive, help_heading = "Fineness")]
+    min_size: Option<f64>,
+    /// The largest edge length, in model units; the number of vertices rises for it
+    #[arg(long, value_name = "H", value_parser = positive, help_heading = "Fineness")]
+    max_size: Option<f64>,
 }
 
 impl FinenessArguments {
@@ -66,6 +83,10 @@ impl FinenessArguments {
             curvature: self.refine_curvature,
             growth: self.max_growth,
             around: self.around as f64,
+            local: self.size_at.clone(),
+            around_holes: self.around_holes,
+            least: self.min_size,
+            largest: self.max_size,
         })
     }
 }

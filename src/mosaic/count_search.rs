@@ -33,6 +33,21 @@ struct Try {
 }
 
 impl MosaicBuilder<'_> {
+    /// A mosaic at the scale at which the sizes give `count` tiles; it may have some more or fewer.
+    ///
+    /// # Errors
+    /// Where the backend fails.
+    pub fn at_scale_for(&self, count: usize) -> Result<Mosaic, ComputeError> {
+        self.laying(|laying| {
+            let h = self.field.sizes().side_for_count(self.surface, count);
+            let mosaic = laying.unrelaxed(h, 0.0)?;
+            (self.progress)(0.3);
+            let relaxed = laying.relaxed(mosaic, h)?;
+            (self.progress)(1.0);
+            Ok(Mosaic { wanted: count, aimed: count, ..relaxed })
+        })
+    }
+
     /// A mosaic of nearly `count` tiles.
     ///
     /// Relaxation of the finest level changes the count a little; where it misses by too much, another count is aimed at.
@@ -40,9 +55,13 @@ impl MosaicBuilder<'_> {
     /// # Errors
     /// Where the backend fails.
     pub fn with_count(&self, count: usize) -> Result<Mosaic, ComputeError> {
+        self.laying(|laying| laying.with_count(count))
+    }
+
+    fn laying(&self, lay: impl FnOnce(&Laying) -> Result<Mosaic, ComputeError>) -> Result<Mosaic, ComputeError> {
         let surface = self.relaxes().then(|| self.field.relaxation_surface(self.surface));
         let relaxation = surface.as_ref().map(|surface| self.backend.relaxation(surface)).transpose()?;
-        Laying { builder: self, relaxation }.with_count(count)
+        lay(&Laying { builder: self, relaxation })
     }
 }
 

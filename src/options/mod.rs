@@ -13,6 +13,7 @@ use crate::mesh::connectivity::{ConnectivityOptions, Quads};
 use crate::mesh::fill::Holes;
 use crate::parametrize::Rows;
 use crate::pipeline::{Fineness, Layout, Options, POINTS};
+use crate::sizes::{LocalSize, NoLocalSize};
 use crate::surface::{Length, LengthError};
 use crate::symmetry::{NoSymmetry, Symmetry};
 use std::ops::RangeInclusive;
@@ -28,6 +29,9 @@ pub enum ValueError {
     /// No length of a repair.
     #[error(transparent)]
     Repair(#[from] LengthError),
+    /// No size at a place.
+    #[error(transparent)]
+    LocalSize(#[from] NoLocalSize),
     /// No symmetry.
     #[error(transparent)]
     Symmetry(#[from] NoSymmetry),
@@ -96,7 +100,7 @@ pub enum OptionError {
 }
 
 /// The names of the options that [`Options::set`] knows.
-pub const NAMES: [&str; 27] = [
+pub const NAMES: [&str; 31] = [
     "preset",
     "layout",
     "points",
@@ -105,6 +109,10 @@ pub const NAMES: [&str; 27] = [
     "refine_curvature",
     "around",
     "max_growth",
+    "size_at",
+    "around_holes",
+    "min_size",
+    "max_size",
     "weld",
     "imprint",
     "drop_parts",
@@ -131,7 +139,7 @@ const PRESETS: &[&str; 5] =
     &[Preset::Cfd.name(), Preset::Fem.name(), Preset::Scan.name(), Preset::Retopo.name(), Preset::Paper.name()];
 
 impl Options {
-    /// Sets one option to a value as the command line writes it; a flag to `true` or `false`. What a preset or a layout sets,
+    /// Sets one option to a value as the command line writes it; a flag to `true` or `false`. `size_at` adds to those before. What a preset or a layout sets,
     /// later calls override: set it first.
     ///
     /// # Errors
@@ -152,6 +160,10 @@ impl Options {
             "refine_curvature" => self.sizes.curvature = Some(degrees::<90>(value)?),
             "around" => self.sizes.around = up_to::<100>(value)? as f64,
             "max_growth" => self.sizes.growth = growth(value)?,
+            "size_at" => self.sizes.local.push(value.parse::<LocalSize>()?),
+            "around_holes" => self.sizes.around_holes = up_to::<1000>(value)?,
+            "min_size" => self.sizes.least = Some(positive(value)?),
+            "max_size" => self.sizes.largest = Some(positive(value)?),
             "weld" => self.repairs.weld = Some(value.parse::<Length>()?),
             "imprint" => self.repairs.imprint = flag(value)?,
             "drop_parts" => self.repairs.drop_parts = Some(value.parse::<Length>()?),
@@ -308,6 +320,7 @@ mod tests {
             "imprint" | "ignore_regions" | "keep_uv" | "no_cleanup" => "true",
             "points" => "200",
             "symmetry" => "y:0.5",
+            "size_at" => "ridges:0.1",
             "weld" | "drop_parts" | "fill_holes" => "0.1%",
             "align" => "curvature:1",
             "rows" => "continuous",
@@ -325,7 +338,8 @@ mod tests {
             assert_ne!(format!("{options:?}"), default, "{name} has an effect");
             for refused in ["", "-1", "1e9"] {
                 let said = set(name, refused).err().map(|error| error.to_string()).unwrap_or_default();
-                let is_length = refused == "1e9" && ["size", "weld", "drop_parts", "fill_holes"].contains(&name);
+                let is_length = refused == "1e9"
+                    && ["size", "min_size", "max_size", "weld", "drop_parts", "fill_holes"].contains(&name);
                 assert!(
                     is_length || said.starts_with(&format!("invalid value '{refused}' for {name}: ")),
                     "{name}: {said}"

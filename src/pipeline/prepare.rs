@@ -74,7 +74,10 @@ pub(super) fn prepared<'a>(
         surface = surface.coarsened(f64::from(side), features, progress);
     }
     progress.check()?;
-    let wanted = options.sizes.on(&surface, f64::from(side), thin_sides.is_some());
+    let mut wanted = options.sizes.on(&surface, f64::from(side), thin_sides.is_some(), features.crease)?;
+    if matches!(options.fineness, Fineness::Size(_)) {
+        wanted.keep_scale(&surface, count)?;
+    }
     Sizing { wanted, count, aim: 1.0 }.sized(surface, options, progress)
 }
 

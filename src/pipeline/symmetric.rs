@@ -13,6 +13,7 @@ use crate::mesh::compare::{Difference, differences_from, uncovered};
 use crate::mesh::{VertexAttributes, VertexKind};
 use crate::mosaic;
 use crate::progress::{Progress, Stage};
+use crate::sizes::Place;
 use crate::surface::nearest::Simplices;
 use crate::surface::{RepairOptions, Soup, Surface};
 use crate::symmetry::chords::without_chords;
@@ -124,6 +125,11 @@ fn of_half(options: &Options, half: &Half, plane: Plane, whole: &Surface) -> Opt
     asked.edges.clone_from(&half.edges);
     asked.field.guides.iter_mut().for_each(|guide| fold(guide, plane));
     asked.sizes.samples.iter_mut().for_each(|sample| sample.point = plane.folded(sample.point));
+    for local in &mut asked.sizes.local {
+        if let Place::Box { low, high } = &mut local.place {
+            (*low, *high) = plane.folded_box(*low, *high);
+        }
+    }
     asked
 }
 

@@ -15,9 +15,11 @@
 
 mod file;
 mod growth;
+mod local;
 mod wanted;
 
 pub use file::{SizeFileError, SizeSample, read_sizes, samples};
+pub use local::{LocalSize, NoLocalSize, Place};
 pub use wanted::SizeOptions;
 pub(crate) use wanted::{FEW, Wanted};
 
@@ -48,6 +50,26 @@ pub enum SizesError {
         /// Its size.
         size: f32,
     },
+    /// The surface has no place for which a size is given.
+    #[error("the surface has no {place}, for which a size is given{}", known(.regions))]
+    Nowhere {
+        /// The place.
+        place: String,
+        /// The regions that it has, where one is asked for.
+        regions: Vec<String>,
+    },
+    /// The least side is larger than the largest.
+    #[error("the least size {least} is larger than the largest, {largest}")]
+    Range {
+        /// The least side, in model units.
+        least: f64,
+        /// The largest side, in model units.
+        largest: f64,
+    },
+}
+
+fn known(regions: &[String]) -> String {
+    if regions.is_empty() { String::new() } else { format!("; its regions are {}", regions.join(", ")) }
 }
 
 /// A relative tile side at each vertex of a surface.

@@ -1,6 +1,7 @@
 //! The sizes of a surface from the user's options: sizes at points, and a bound on the turn of the surface within a tile.
 
 use super::growth::Growth;
+use super::local::{Limit, LocalSize, least};
 use super::{SizeSample, Sizes, SizesError};
 use crate::progress::IsCancelled;
 use crate::surface::Surface;
@@ -44,25 +45,65 @@ pub struct SizeOptions {
     /// The number of tiles that go round thin parts and narrow holes; tiles are made smaller for it, down to a tenth. 0: any.
     /// Default 3.
     pub around: f64,
+    /// Sizes at places, which are the largest there. Default: none.
+    pub local: Vec<LocalSize>,
+    /// The number of tiles at least round each round hole, and each other closed feature that is round. 0: any, the default.
+    pub around_holes: usize,
+    /// The least side, in model units; it counts before all others. Default: none.
+    pub least: Option<f64>,
+    /// The largest side, in model units. Default: none.
+    pub largest: Option<f64>,
 }
 
 impl Default for SizeOptions {
     fn default() -> Self {
-        Self { samples: Vec::new(), curvature: None, growth: 1.2, around: 3.0 }
+        Self {
+            samples: Vec::new(),
+            curvature: None,
+            growth: 1.2,
+            around: 3.0,
+            local: Vec::new(),
+            around_holes: 0,
+            least: None,
+            largest: None,
+        }
     }
 }
 
 impl SizeOptions {
     /// The wanted sizes on a surface, for tiles of about this side in unit-sized coordinates. Thin parts are searched for where
-    /// `is_thin` says that the surface has some.
-    pub(crate) fn on<'a>(&'a self, surface: &Surface, side: f64, is_thin: bool) -> Wanted<'a> {
-        Wanted {
+    /// `is_thin` says that the surface has some. `crease` is the angle of creases, in degrees.
+    ///
+    /// # Errors
+    /// Where sizes are given for a place that the surface does not have, or the least is larger than the largest.
+    pub(crate) fn on<'a>(
+        &'a self,
+        surface: &Surface,
+        side: f64,
+        is_thin: bool,
+        crease: f64,
+    ) -> Result<Wanted<'a>, SizesError> {
+        if let (Some(least), Some(largest)) = (self.least, self.largest)
+            && least > largest
+        {
+            return Err(SizesError::Range { least, largest });
+        }
+        let local = self.local.iter().map(|local| Limit::new(surface, local, crease, self.growth));
+        let mut places = local.collect::<Result<Vec<Limit>, SizesError>>()?;
+        if self.around_holes > 0 {
+            places.push(Limit::round_holes(surface, self.around_holes, self.growth));
+        }
+        Ok(Wanted {
             options: self,
             samples: self.spread(surface),
             turns: self.turns(surface, side),
             girths: if is_thin { self.girths(surface, side, &|| false) } else { None },
             limits: None,
-        }
+            local: least(&places, surface, 0),
+            places,
+            unit: surface.frame().diagonal,
+            scale: None,
+        })
     }
 
     /// The sides of tiles that thin parts ask for, at each vertex, where other tiles have this side, all in unit-sized coordinates;
@@ -84,13 +125,14 @@ impl SizeOptions {
     /// # Errors
     /// Where samples give no positive size that an `f32` holds.
     pub fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
-        // Thin parts raise the count later.
-        let flat = Self { curvature: None, ..self.clone() };
-        let count = flat.on(surface, 1.0, false).count(surface)?;
+        // Thin parts and places raise the count later.
+        let flat = Self { samples: self.samples.clone(), growth: self.growth, ..Self::default() };
+        let count = flat.on(surface, 1.0, false, 180.0)?.count(surface)?;
         if self.curvature.is_none() {
             return Ok(count);
         }
-        self.on(surface, f64::from(Sizes::equal().side_for_count(surface, count as usize + 1)), false).count(surface)
+        let side = f64::from(Sizes::equal().side_for_count(surface, count as usize + 1));
+        Self { curvature: self.curvature, ..flat }.on(surface, side, false, 180.0)?.count(surface)
     }
 
     /// The samples' side at each vertex, in unit-sized coordinates; 1 where there are none.
@@ -150,6 +192,14 @@ pub(crate) struct Wanted<'a> {
     girths: Option<Vec<f64>>,
     /// The largest side, in unit-sized coordinates; infinity where it is any.
     limits: Option<Vec<f64>>,
+    /// The places with sizes of their own.
+    places: Vec<Limit>,
+    /// The largest side that these allow, in unit-sized coordinates.
+    local: Vec<f64>,
+    /// The length of a unit, in model units.
+    unit: f64,
+    /// The scale that smaller tiles do not change, in unit-sized coordinates; `None`: it follows from the count.
+    scale: Option<f64>,
 }
 
 impl Wanted<'_> {
@@ -158,15 +208,35 @@ impl Wanted<'_> {
     /// # Errors
     /// Where samples give no positive size that an `f32` holds.
     pub fn sizes(&self, surface: &Surface, count: usize) -> Result<Sizes, SizesError> {
-        if self.options.samples.is_empty() && self.turns.is_none() && self.girths.is_none() && self.limits.is_none() {
+        if self.options.samples.is_empty() && self.turns.is_none() && self.is_any() {
             return Ok(Sizes::equal());
         }
         Ok(self.fitted(surface, count)?.0)
     }
 
+    /// Whether nothing bounds the sides but samples and curvature.
+    fn is_any(&self) -> bool {
+        let SizeOptions { least, largest, .. } = self.options;
+        let is_bounded = least.is_some() || largest.is_some() || !self.places.is_empty();
+        self.girths.is_none() && self.limits.is_none() && !is_bounded
+    }
+
+    /// Keeps the scale for `count` tiles of the sizes of the samples: smaller ones are added to them.
+    ///
+    /// # Errors
+    /// As [`Wanted::sizes`].
+    pub fn keep_scale(&mut self, surface: &Surface, count: usize) -> Result<(), SizesError> {
+        self.scale = Some(f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count)));
+        Ok(())
+    }
+
     /// Sizes for which `count` tiles cover the surface, and their sides, in unit-sized coordinates.
     fn fitted(&self, surface: &Surface, count: usize) -> Result<(Sizes, Vec<f64>), SizesError> {
         let growth = Growth::new(surface);
+        if let Some(scale) = self.scale {
+            let sides = self.sides(&growth, scale);
+            return Ok((relative(surface, &sides, scale)?, sides));
+        }
         let mut scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
         let mut rounds = 0..ROUNDS;
         loop {
@@ -197,18 +267,20 @@ impl Wanted<'_> {
         Ok(Self { limits: Some(limits), ..self })
     }
 
-    /// The number of tiles that are laid where `count` are asked for: more where most would lie on thin parts.
+    /// The number of tiles that are laid where `count` are asked for: more where the side is kept, or most would lie on thin parts or
+    /// where they are limited.
     ///
     /// # Errors
     /// As [`Wanted::sizes`].
     pub fn raised(&self, surface: &Surface, count: usize) -> Result<usize, SizesError> {
-        if self.girths.is_none() && self.limits.is_none() {
+        if self.is_any() && (self.turns.is_none() || self.scale.is_none()) {
             return Ok(count);
         }
         let growth = Growth::new(surface);
         let scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
         let whole = relative(surface, &self.sides(&growth, scale), scale)?.count_for_side(surface, scale);
-        let share = if self.limits.is_some() && count <= FEW { 0.0 } else { THIN_SHARE };
+        let is_few = self.limits.is_some() && count <= FEW;
+        let share = if is_few || self.scale.is_some() || self.options.largest.is_some() { 0.0 } else { THIN_SHARE };
         Ok(if whole > (1.0 + share) * count as f64 { whole as usize } else { count })
     }
 
@@ -229,7 +301,9 @@ impl Wanted<'_> {
         let turns = between(self.turns, |a, b| (a + b) / 2.0);
         let girths = between(self.girths, f64::max);
         let limits = between(self.limits, f64::max);
-        Self { options: self.options, samples: self.options.spread(surface), turns, girths, limits }
+        let mut local = self.local;
+        local.extend(least(&self.places, surface, local.len()));
+        Self { samples: self.options.spread(surface), turns, girths, limits, local, ..self }
     }
 
     /// The sides at this scale: no larger than curvature allows, nor than growth.
@@ -248,7 +322,15 @@ impl Wanted<'_> {
         for (side, limit) in sides.iter_mut().zip(self.limits.iter().flatten()) {
             *side = side.min(*limit);
         }
+        sides.iter_mut().zip(&self.local).for_each(|(side, limit)| *side = side.min(*limit));
+        let SizeOptions { least, largest, .. } = self.options;
+        if let Some(largest) = largest {
+            sides.iter_mut().for_each(|side| *side = side.min(largest / self.unit));
+        }
         growth.limit(&mut sides, self.options.growth - 1.0);
+        if let Some(least) = least {
+            sides.iter_mut().for_each(|side| *side = side.max(least / self.unit));
+        }
         sides
     }
 }
@@ -278,7 +360,7 @@ mod tests {
             assert!((held - 1.0).abs() < 0.01, "{held}");
             (0..surface.vertex_count() as u32).map(|v| scale * f64::from(sizes.at_vertex(v))).collect::<Vec<_>>()
         };
-        let equal = options.on(&surface, side, false);
+        let equal = options.on(&surface, side, false, 40.0).expect("sizes");
         assert!(sides(&equal).iter().all(|found| (found / side - 1.0).abs() < 0.01));
         let refined = equal.refined(&surface, count, &[place]).expect("sizes");
         let found = sides(&refined);

@@ -85,6 +85,18 @@ impl Plane {
         if self.height(point) < 0.0 { self.image(point) } else { point }
     }
 
+    /// The part of a box on the kept side, or the image of the other part where that is larger.
+    pub fn folded_box(self, mut low: [f64; 3], mut high: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+        let axis = self.axis.index();
+        let [below, above] = [-self.height(low), self.height(high)];
+        if below > above {
+            high[axis] = self.offset + below;
+            low[axis] = self.offset - above;
+        }
+        low[axis] = low[axis].max(self.offset);
+        (low, high)
+    }
+
     /// A point and its mirror image, each the image of the other bit for bit: the point moves by a rounding where it must.
     pub fn pair(self, point: [f64; 3]) -> [[f64; 3]; 2] {
         let image = self.image(point);
