@@ -47,7 +47,7 @@ pub struct SizeOptions {
     pub around: f64,
     /// Sizes at places, which are the largest there. Default: none.
     pub local: Vec<LocalSize>,
-    /// The number of tiles at least round each round hole, and each other closed feature that is round. 0: any, the default.
+    /// About the least number of tiles round each round hole, and each other closed feature that is round. 0: any, the default.
     pub around_holes: usize,
     /// The least side, in model units; it counts before all others. Default: none.
     pub least: Option<f64>,
