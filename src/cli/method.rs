@@ -9,6 +9,7 @@ use quadmosaic::mesh::connectivity::{self, ConnectivityOptions};
 use quadmosaic::mesh::fill;
 use quadmosaic::options::{degrees, distance, up_to};
 use quadmosaic::pipeline::Options;
+use quadmosaic::surface::KeptBoundary;
 use quadmosaic::symmetry::Symmetry;
 
 #[derive(Args)]
@@ -19,6 +20,19 @@ pub struct MethodArguments {
     /// lies, at 0 or at OFFSET (y:0.5); or auto, which looks for the plane. The number of vertices is that of the whole mesh
     #[arg(long, value_name = "AXIS[:OFFSET]|auto", help_heading = "Symmetry")]
     symmetry: Option<Symmetry>,
+    /// Keep the vertices of the surface's open boundary, bit for bit, as those of the mesh's: patches of one surface that are meshed
+    /// apart fit together. With SIZE, in model units, they are points about so far apart along the boundary, which depend on its
+    /// curve alone; patches must then meet at corners of it
+    #[arg(
+        long,
+        value_name = "SIZE",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "exact",
+        conflicts_with = "symmetry",
+        help_heading = "Patches"
+    )]
+    keep_boundary: Option<KeptBoundary>,
     #[command(flatten)]
     directions: FieldArguments,
 
@@ -86,6 +100,7 @@ impl MethodArguments {
     pub fn options(&self) -> anyhow::Result<Options> {
         let rest = Options {
             symmetry: self.symmetry,
+            keep_boundary: self.keep_boundary,
             sizes: self.fineness.sizes()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {

@@ -103,12 +103,18 @@ pub(crate) fn triangulate_while(
             normal: tile.normal().as_dvec3(),
             axis: Vec3::from(tile.axis).as_dvec3(),
             valence: REGULAR,
+            is_kept: mosaic.feature_samples.get(v).is_some_and(|sample| is_kept(surface, sample.point)),
             origin: v as u32,
         }
     };
     let vertices = tiles.iter().enumerate().map(vertex).collect();
     let (feature_samples, extra) = (samples.len(), extra.len());
     Some(Triangulation { faces, tiles, sides, vertices, factors, feature_samples, extra, same_place })
+}
+
+/// Whether a sample is a vertex of a boundary that the mesh keeps.
+fn is_kept(surface: &Surface, point: FeaturePoint) -> bool {
+    matches!(point, FeaturePoint::Vertex(v) if surface.is_kept(v))
 }
 
 /// The locations of half-edges and vertices on the feature curves of a surface.

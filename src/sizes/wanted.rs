@@ -158,7 +158,12 @@ impl Wanted<'_> {
     /// # Errors
     /// Where samples give no positive size that an `f32` holds.
     pub fn sizes(&self, surface: &Surface, count: usize) -> Result<Sizes, SizesError> {
-        if self.options.samples.is_empty() && self.turns.is_none() && self.girths.is_none() && self.limits.is_none() {
+        let is_equal = self.options.samples.is_empty()
+            && self.turns.is_none()
+            && self.girths.is_none()
+            && self.limits.is_none()
+            && !surface.keeps_boundary();
+        if is_equal {
             return Ok(Sizes::equal());
         }
         Ok(self.fitted(surface, count)?.0)
@@ -202,14 +207,21 @@ impl Wanted<'_> {
     /// # Errors
     /// As [`Wanted::sizes`].
     pub fn raised(&self, surface: &Surface, count: usize) -> Result<usize, SizesError> {
-        if self.girths.is_none() && self.limits.is_none() {
+        if self.girths.is_none() && self.limits.is_none() && !surface.keeps_boundary() {
             return Ok(count);
         }
-        let growth = Growth::new(surface);
-        let scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
-        let whole = relative(surface, &self.sides(&growth, scale), scale)?.count_for_side(surface, scale);
+        let whole = self.whole(surface, count)?;
         let share = if self.limits.is_some() && count <= FEW { 0.0 } else { THIN_SHARE };
         Ok(if whole > (1.0 + share) * count as f64 { whole as usize } else { count })
+    }
+
+    /// The number of tiles where those that nothing makes smaller or larger have the side of `count` tiles alone.
+    ///
+    /// # Errors
+    /// As [`Wanted::sizes`].
+    pub fn whole(&self, surface: &Surface, count: usize) -> Result<f64, SizesError> {
+        let scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
+        Ok(relative(surface, &self.sides(&Growth::new(surface), scale), scale)?.count_for_side(surface, scale))
     }
 
     fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
@@ -249,6 +261,7 @@ impl Wanted<'_> {
             *side = side.min(*limit);
         }
         growth.limit(&mut sides, self.options.growth - 1.0);
+        growth.keep_boundary(&mut sides, self.options.growth - 1.0);
         sides
     }
 }
