@@ -242,10 +242,11 @@ impl CurvePath {
     fn kept(&self, surface: &Surface) -> Vec<f64> {
         let mut arcs = vec![0.0];
         self.lengths.iter().for_each(|length| arcs.push(arcs[arcs.len() - 1] + length));
-        let places = (0..arcs.len()).filter(|&i| surface.is_kept(self.vertices[i]));
-        // Of a loop, the vertices before the first and after the last, too.
+        // The last vertex of a loop is the first one again.
+        let places = (0..arcs.len() - usize::from(self.closed)).filter(|&i| surface.is_kept(self.vertices[i]));
         let mut kept: Vec<f64> = places.map(|i| arcs[i]).collect();
         let whole = arcs[arcs.len() - 1];
+        // Of a loop, the vertices before the first and after the last, too.
         if self.closed
             && let [first, .., last] = kept[..]
         {

@@ -8,7 +8,8 @@
 //!
 //! # Practice
 //! A corner is a sharp turn of the curve. Where three patches meet, the boundaries of all three must have a corner to be resampled
-//! alike; vertices that are kept as they are fit anywhere. Edges at which sheets meet are no boundary.
+//! alike; vertices that are kept as they are fit anywhere. Vertices of a seam that differ by rounding alone are welded, perhaps not alike
+//! in both patches. Edges at which sheets meet are no boundary.
 
 use super::features::turns_sharply;
 use super::split::{EdgePoint, Split};
@@ -35,7 +36,9 @@ pub enum KeptBoundary {
 
 /// A text is no [`KeptBoundary`].
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
-#[error("write exact, to keep the vertices of the boundary, or the distance of points along it, a number above 0 in model units")]
+#[error(
+    "write exact, to keep the vertices of the boundary, or the distance of points along it, a number above 0 in model units"
+)]
 pub struct NoKeptBoundary;
 
 impl FromStr for KeptBoundary {
@@ -242,8 +245,7 @@ fn samples(points: &[DVec3], is_loop: bool, side: f64, corner: f64) -> Vec<Sampl
     let after = |i: usize| (1..if is_loop { count } else { count - i }).map(move |k| points[(i + k) % count]);
     let before = |i: usize| (1..if is_loop { count } else { i + 1 }).map(move |k| points[(i + count - k) % count]);
     let is_end = |i: usize| !is_loop && (i == 0 || i + 1 == count);
-    let is_corner =
-        |&i: &usize| is_end(i) || turns_sharply(points[i], after(i), before(i), side, cos_corner);
+    let is_corner = |&i: &usize| is_end(i) || turns_sharply(points[i], after(i), before(i), side, cos_corner);
     let mut ends: Vec<usize> = (0..count).filter(is_corner).collect();
     let order = |i: usize, j: usize| {
         let [p, q] = [points[i], points[j]];
@@ -341,7 +343,11 @@ mod tests {
         other.extend([DVec3::new(2.0, -1.0, 0.0), DVec3::new(-1.0, -2.0, 0.0)]);
         let on_seam = |points: &[DVec3]| -> Vec<[u64; 3]> {
             let [start, end] = [outline()[0], outline()[60]];
-            let lies = |p: &DVec3| [start, end].iter().any(|q| p.cross(*q).length() < 1e-12 && p.dot(*q) > -1e-12 && p.length() <= q.length());
+            let lies = |p: &DVec3| {
+                [start, end]
+                    .iter()
+                    .any(|q| p.cross(*q).length() < 1e-12 && p.dot(*q) > -1e-12 && p.length() <= q.length())
+            };
             places(points, true, 0.1).into_iter().filter(|p| lies(&DVec3::from(p.map(f64::from_bits)))).collect()
         };
         assert_eq!(on_seam(&other), on_seam(&points));

@@ -164,7 +164,8 @@ impl Coarsening {
         let is_shared = surface.shared_places();
         let mut is_fixed = is_shared.clone();
         for v in 0..surface.vertex_count() as u32 {
-            is_fixed[v as usize] |= ![0, 2].contains(&degrees[v as usize]) || surface.features.is_corner(v) || surface.is_kept(v);
+            is_fixed[v as usize] |=
+                ![0, 2].contains(&degrees[v as usize]) || surface.features.is_corner(v) || surface.is_kept(v);
         }
         let mut planes = vec![Quadric::default(); surface.vertex_count()];
         for (t, triangle) in surface.triangles.iter().enumerate() {

@@ -353,9 +353,8 @@ impl<'a> Edit<'a> {
     }
 
     fn kept_edges_of<'f>(&self, faces: impl Iterator<Item = &'f [u32]>) -> Vec<[u32; 2]> {
-        let is_kept = |&[a, b]: &[u32; 2]| {
-            self.vertex(a).is_kept && self.vertex(b).is_kept && self.left(b, a).is_none()
-        };
+        let is_kept =
+            |&[a, b]: &[u32; 2]| self.vertex(a).is_kept && self.vertex(b).is_kept && self.left(b, a).is_none();
         let mut edges: Vec<[u32; 2]> = faces.flat_map(sides).filter(is_kept).collect();
         edges.sort_unstable();
         edges
