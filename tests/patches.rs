@@ -136,6 +136,22 @@ fn patches_of_the_wing_fit_together() {
 }
 
 #[test]
+fn a_crease_may_end_between_the_samples_of_a_seam() {
+    // A sheet folded by 45 degrees: a crease, and a turn of the seam that is no corner.
+    let mut sheet = flat(44, 21, 0.05);
+    sheet.points.iter_mut().for_each(|p| *p = [p[0] - 1.1, p[1], (p[0] - 1.1).abs() * 22.5_f64.to_radians().tan()]);
+    let patches = patches(&sheet, &[Plane { normal: [0.15, 1.0, 0.0], offset: 0.51 }]);
+    let side = 0.12;
+    let kept = options(Some(KeptBoundary::Resampled(side)), Fineness::Size(side));
+    let on_crease = |mesh: &Mesh| mesh.points.iter().filter(|p| p[2].abs() < 1e-12).count();
+    let (mesh, wrong, euler) = fitted(&sheet, &patches, &kept);
+    assert_eq!((wrong, euler), (0, [1, 1]));
+    assert!(on_crease(&mesh) >= 6, "{}: the crease is kept", on_crease(&mesh));
+    let (_, wrong, _) = fitted(&sheet, &patches, &options(None, kept.fineness));
+    assert!(wrong > 0, "without the option they do not fit");
+}
+
+#[test]
 fn a_loop_of_an_odd_number_of_edges_leaves_one_triangle() {
     let meshed = |removed: usize| {
         let mut plate = flat(12, 12, 1.0);
