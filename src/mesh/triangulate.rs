@@ -72,7 +72,7 @@ pub(crate) fn triangulate_while(
     let free = builder.insert_free_tiles(surface, mosaic, &cones, goes_on)?;
     let mut is_tile = vec![false; builder.faces.leaving.len()];
     samples.iter().chain(&free).for_each(|&vertex| is_tile[vertex as usize] = true);
-    let extra = builder.remove_surface_vertices(&is_tile, surface.keeps_boundary(), goes_on)?;
+    let extra = builder.remove_surface_vertices(&is_tile, goes_on)?;
     let order: Vec<u32> = samples.iter().chain(&free).chain(&extra).copied().collect();
     let mut tiles: Vec<Tile> =
         mosaic.feature_samples.iter().map(|sample| mosaic.tiles[sample.first_side as usize]).collect();
@@ -440,12 +440,7 @@ impl<'a> TriangulationBuilder<'a> {
     }
 
     /// Removes the vertices that are no tiles; returns those that the topology needs.
-    fn remove_surface_vertices(
-        &mut self,
-        is_tile: &[bool],
-        keeps_boundary: bool,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Option<Vec<u32>> {
+    fn remove_surface_vertices(&mut self, is_tile: &[bool], goes_on: &dyn Fn() -> bool) -> Option<Vec<u32>> {
         let faces = &mut self.faces;
         let mut stack: Vec<u32> = (0..faces.origin.len() as u32).collect();
         faces.legalize(&mut stack, |_, _| true, |_, _, _, length| length);
@@ -459,9 +454,7 @@ impl<'a> TriangulationBuilder<'a> {
                 }
                 near.clear();
                 faces.visit_neighbours(v, |w| near.push(w));
-                let is_removed =
-                    faces.remove(v, &mut ring) || (keeps_boundary && faces.remove_beside_chord(v, &mut ring));
-                if !is_removed {
+                if !faces.remove(v, &mut ring) {
                     return true;
                 }
                 // The changed edges lie between the neighbours.

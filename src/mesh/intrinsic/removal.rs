@@ -45,17 +45,6 @@ impl Intrinsic {
         })
     }
 
-    /// As [`Self::remove`], for a vertex of a boundary whose neighbours on it are joined by an edge inside: this is flipped first.
-    pub fn remove_beside_chord(&mut self, vertex: u32, ring: &mut Vec<u32>) -> bool {
-        if self.ring(vertex, ring) {
-            return false;
-        }
-        let [next_on, previous_on] = [self.target(ring[0]), self.origin[previous(ring[ring.len() - 1]) as usize]];
-        self.ring(next_on, ring);
-        let chord = ring.iter().copied().find(|&h| self.target(h) == previous_on);
-        chord.is_some_and(|h| self.flip(h)) && self.remove(vertex, ring)
-    }
-
     fn fan(&self, h: u32, ring: &[u32], closed: bool) -> Fan {
         let start = ring.iter().position(|&e| e == h).unwrap_or(0);
         let spokes: Vec<u32> = (0..ring.len()).map(|i| ring[(start + i) % ring.len()]).collect();
