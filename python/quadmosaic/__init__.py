@@ -149,6 +149,8 @@ def mesh(
     region_names: Optional[Sequence[str]] = None,
     attributes: Optional[Mapping[str, npt.ArrayLike]] = None,
     corner_attributes: Optional[Mapping[str, npt.ArrayLike]] = None,
+    preset: Optional[str] = None,
+    layout: Optional[str] = None,
     size: Optional[float] = None,
     symmetry: Optional[str] = None,
     keep_boundary: Union[bool, float] = False,
@@ -188,13 +190,17 @@ def mesh(
     has them; the mesh gets them by linear interpolation. feature_edges: a file, or pairs of vertices. keep_boundary: True keeps the
     vertices of the boundary, a number points about so far apart on it.
 
+    preset, layout: options that are set together; others override what they set. What contradicts a layout is refused.
+
     The other options are those of `quadmosaic mesh`, with _ for -; None is the default there. All threads of a process share its
     backends, each of which is made once.
 
     Raises SurfaceError where the surface is faulty, ValueError where an option is, and RuntimeError where the backend fails. Warns by
     MeshWarning.
     """
-    values: dict[str, Any] = {name: value for name, value in locals().items() if name in _OPTIONS}
+    given: dict[str, Any] = dict(locals())
+    # A preset and a layout come first: the others override what they set.
+    values = {name: given[name] for name in _OPTIONS}
     if isinstance(vertices, Surface):
         if triangles is not None:
             raise ValueError("triangles cannot be used with a Surface, which has its own")
@@ -280,7 +286,7 @@ def save(
         warnings.warn(warning, MeshWarning, stacklevel=2)
 
 
-_OPTIONS = frozenset(_native.option_names())
+_OPTIONS = tuple(_native.option_names())
 
 
 def _text(value: Any) -> str:

@@ -16,7 +16,7 @@ use quadmosaic::pipeline::Meshed as Finished;
 use quadmosaic::sizes::{read_sizes, samples};
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::{AttributeKind, Attributes, Ends, NamedEdge, load as loading, read_edges};
-use quadmosaic::warnings::{of_attributes, of_precision};
+use quadmosaic::warnings::{of_attributes, of_precision, of_seams};
 use quadmosaic::{Fineness, Options, Soup};
 use std::path::{Path, PathBuf};
 
@@ -164,7 +164,8 @@ fn mesh(
     })?;
     let (file, vertices, sources, attributes, report) = done?.map_err(of_pipeline)?;
     let coarse = of_precision(&soup, file.mesh().points.len());
-    let warnings = report.warnings().into_iter().chain(report.wrong()).chain(coarse).collect();
+    let idle = of_seams(&soup, &all);
+    let warnings = report.warnings().into_iter().chain(report.wrong()).chain(coarse).chain(idle).collect();
     let report = serde_json::to_string(&report).map_err(of_value)?;
     Ok(Meshed { file, vertices, sources, attributes, report, warnings })
 }

@@ -1,5 +1,6 @@
 //! The choice of the backend of the heavy stages.
 
+use super::output::warn;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use quadmosaic::Mesher;
@@ -26,7 +27,9 @@ pub struct Machine {
     /// The GPU whose name contains this text (see `quadmosaic devices`)
     #[arg(long, value_name = "NAME", help_heading = "Machine")]
     adapter: Option<String>,
-    /// Threads on the CPU, up to 1024; 0: as many as there are cores. The result is the same for any number
+    /// Threads on the CPU, up to 1024; 0: as many as there are cores
+    ///
+    /// The result is the same for any number
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>, help_heading = "Machine")]
     threads: usize,
 }
@@ -49,6 +52,9 @@ impl Machine {
     /// Where there is no such adapter, it cannot be opened, or it refuses the kernels.
     pub fn mesher(&self) -> anyhow::Result<Mesher> {
         let adapter = self.adapter.as_deref();
+        if adapter.is_some() && self.backend == Choice::Cpu {
+            warn(["--adapter had no effect with --backend cpu".to_owned()]);
+        }
         Ok(match self.backend {
             Choice::Cpu => Mesher::cpu(),
             Choice::Auto if adapter.is_none() => Mesher::auto()?,

@@ -1,6 +1,7 @@
 //! `quadmosaic batch`.
 
 use super::backend::Machine;
+use super::config::ConfigArguments;
 use super::input::Input;
 use super::method::MethodArguments;
 use super::output::print;
@@ -30,26 +31,34 @@ use std::time::Instant;
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// The surfaces: files, or examples (example:m6)
-    #[arg(value_name = "IN", required_unless_present = "list")]
+    #[arg(value_name = "IN", required_unless_present_any = ["list", "print_config"])]
     surfaces: Vec<Input>,
-    /// More surfaces from a file, one a line; empty lines and those that begin with # are passed over
-    #[arg(long, value_name = "FILE")]
+    /// More surfaces from a file, one a line
+    ///
+    /// Empty lines and those that begin with # are passed over
+    #[arg(long, value_name = "FILE", help_heading = "Input")]
     list: Option<PathBuf>,
-    /// The folder of the results; it is created where it is missing
-    #[arg(short, long, value_name = "DIR")]
+    /// The folder of the results, created where it is missing
+    #[arg(short, long, value_name = "DIR", help_heading = "Output")]
     output: PathBuf,
-    /// The format of the meshes: obj, ply, stl, off, vtk, vtu, msh (4.1), msh22, su2, inp, bdf or glb
-    #[arg(long, value_name = "FORMAT", default_value = "obj")]
+    /// The format of the meshes
+    ///
+    /// obj, ply, stl, off, vtk, vtu, msh (4.1), msh22, su2, inp, bdf or glb
+    #[arg(long, value_name = "FORMAT", default_value = "obj", help_heading = "Output")]
     to: Format,
-    /// Surfaces that are meshed at the same time, up to 1024; 0: as many as there are threads
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>)]
+    /// Surfaces meshed at the same time; 0: as many as there are threads
+    ///
+    /// At most 1024
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>, help_heading = "Machine")]
     jobs: usize,
+    #[command(flatten)]
+    _config: ConfigArguments,
     #[command(flatten)]
     method: MethodArguments,
     #[command(flatten)]
     machine: Machine,
     /// Print errors only
-    #[arg(short, long)]
+    #[arg(short, long, help_heading = "Output")]
     quiet: bool,
 }
 

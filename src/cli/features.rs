@@ -7,18 +7,26 @@ use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct FeatureArguments {
-    /// Dihedral angle in degrees (1 to 180) over which an edge of the surface is a crease that the mesh keeps; 180: none is.
-    /// Without this option the angle is 40, and a crease is kept only where the surface turns sharply at the scale of a tile too
+    /// The dihedral angle over which an edge is kept as a crease
+    ///
+    /// In degrees (1 to 180); 180: none is. Without this option the angle is 40, and a crease is kept only where the surface turns sharply
+    /// at the scale of a tile too
     #[arg(long, value_name = "ANGLE", value_parser = degrees::<180>, help_heading = "Features")]
     crease: Option<f64>,
-    /// Ignore the borders of regions (groups, materials, solids); the faces of the mesh still have the names of their regions
+    /// Ignore the borders of regions (groups, materials, solids)
+    ///
+    /// The faces of the mesh still have the names of their regions
     #[arg(long, help_heading = "Features")]
     ignore_regions: bool,
-    /// Keep the seams of texture coordinates like creases, so that no face of the mesh lies across one
+    /// Keep the seams of texture coordinates like creases
+    ///
+    /// No face of the mesh lies across one
     #[arg(long, help_heading = "Features")]
     keep_uv: bool,
-    /// Edges to keep at any angle, from a file: on each line two vertex numbers of the surface, counted from 1, or two
-    /// points (X,Y,Z,X,Y,Z); a straight line of edges may be named by its ends
+    /// Edges to keep at any angle, from a file
+    ///
+    /// On each line two vertex numbers of the surface, counted from 1, or two points (X,Y,Z,X,Y,Z); a straight line of edges may be named
+    /// by its ends
     #[arg(long, value_name = "FILE", help_heading = "Features")]
     feature_edges: Vec<PathBuf>,
 }

@@ -14,21 +14,27 @@ pub struct FieldArguments {
     features: FeatureArguments,
     #[command(flatten)]
     repairs: RepairArguments,
-    /// Angle in degrees (1 to 180) by which a smooth surface must turn within one tile for the line of sharpest turn to carry
-    /// a row, as on the nose of a wing; 180: none does
+    /// Turn within a tile from which a smooth surface has a ridge
+    ///
+    /// The line of sharpest turn, as on the nose of a wing, then carries a row. In degrees (1 to 180); 180: none does
     #[arg(long, value_name = "ANGLE", default_value_t = 60.0, value_parser = degrees::<180>, help_heading = "Rows")]
     ridge: f64,
-    /// A guide: rows run along DX,DY,DZ near the point X,Y,Z, within the distance R. Without a weight W they do so exactly; a
-    /// weight of 1 is about as strong as the surroundings, 10 nearly exact. May be given many times
+    /// Rows run along DX,DY,DZ near X,Y,Z
+    ///
+    /// Within the distance R. Without a weight W they do so exactly; a weight of 1 is about as strong as the surroundings, 10 nearly exact.
+    /// May be given many times
     #[arg(long = "guide", value_name = "X,Y,Z,DX,DY,DZ[,R[,W]]", allow_hyphen_values = true, help_heading = "Rows")]
     guides: Vec<Guide>,
-    /// Guides from a file: CSV, one a line, the columns as for --guide or named by a header (x, y, z, dx, dy, dz, radius,
-    /// weight); or JSON with strokes too: {"guides": [{"point": [X,Y,Z], "direction": [DX,DY,DZ]}], "strokes": [{"points":
-    /// [[X,Y,Z], ...]}]}, each perhaps with "radius" and "weight"
+    /// Guides from a file
+    ///
+    /// CSV, one a line, the columns as for --guide or named by a header (x, y, z, dx, dy, dz, radius, weight); or JSON with strokes too:
+    /// {"guides": [{"point": [X,Y,Z], "direction": [DX,DY,DZ]}], "strokes": [{"points": [[X,Y,Z], ...]}]}, each perhaps with "radius" and
+    /// "weight"
     #[arg(long = "guides", value_name = "FILE", help_heading = "Rows")]
     guide_files: Vec<PathBuf>,
-    /// Draw rows along the directions of greatest and least curvature where no guide and no feature is; WEIGHT: 1 is
-    /// moderate, 0 off
+    /// Rows along the directions of curvature
+    ///
+    /// Those of greatest and least curvature, where no guide and no feature is; WEIGHT: 1 is moderate, 0 off
     #[arg(long, value_name = "curvature:WEIGHT", value_parser = align, help_heading = "Rows")]
     align: Option<Align>,
 }

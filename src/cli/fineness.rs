@@ -11,16 +11,19 @@ pub struct FinenessArguments {
     /// Number of vertices wanted, 4 to 50000000 [default: 6000]
     #[arg(long, value_name = "N", value_parser = points, conflicts_with = "size", help_heading = "Fineness")]
     points: Option<usize>,
-    /// Instead of --points: the edge length wanted, in model units
+    /// The edge length wanted, in model units, instead of --points
     #[arg(long, value_name = "H", value_parser = positive, help_heading = "Fineness")]
     size: Option<f64>,
-    /// Edge lengths at points, spread over the surface: CSV, one point a line (x, y, z, size, or named by a header), or PLY
-    /// whose vertices have a property size. In model units; with --points or --size they are relative, and the number of
-    /// vertices is as asked
+    /// Edge lengths at points, spread over the surface
+    ///
+    /// CSV, one point a line (x, y, z, size, or named by a header), or PLY whose vertices have a property size. In model units; with
+    /// --points or --size they are relative, and the number of vertices is as asked
     #[arg(long, value_name = "FILE", help_heading = "Fineness")]
     size_field: Option<PathBuf>,
-    /// Smaller edges, down to a quarter, where the surface is curved: it turns by at most this angle within an edge, in
-    /// degrees (1 to 90) [default without a value: 20]
+    /// Smaller edges where the surface is curved
+    ///
+    /// It turns by at most this angle within an edge, in degrees (1 to 90); edges are at least a quarter of the others [default without a
+    /// value: 20]
     #[arg(
         long,
         value_name = "DEGREES",
@@ -30,10 +33,14 @@ pub struct FinenessArguments {
         help_heading = "Fineness"
     )]
     refine_curvature: Option<f64>,
-    /// Largest ratio of two edges beside each other (1.01 to 10), where they are not all equal
+    /// Largest ratio of two edges beside each other (1.01 to 10)
+    ///
+    /// It counts where edges are not all equal
     #[arg(long, value_name = "RATIO", default_value_t = 1.2, value_parser = growth, help_heading = "Fineness")]
     max_growth: f64,
-    /// The least number of edges round thin parts and narrow holes (0 to 100): edges are smaller there, down to a tenth; 0: any
+    /// The least number of edges round thin parts and holes
+    ///
+    /// Edges are smaller there, down to a tenth. 0 to 100; 0: any
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = up_to::<100>, help_heading = "Fineness")]
     around: usize,
 }

@@ -13,12 +13,16 @@ use std::str::FromStr;
 /// The arguments that name a surface.
 #[derive(Args)]
 pub struct Source {
-    /// The surface: an OBJ, STL, PLY, OFF, MSH, VTK, VTU or VTP file, perhaps in gzip, told apart by content; -: standard input; or
-    /// an example: example:NAME or example:NAME:TRIANGLES, NAME one of m6, torus, sphere, plate, block
+    /// The surface: a file, - for standard input, or an example (example:m6)
+    ///
+    /// An OBJ, STL, PLY, OFF, MSH, VTK, VTU or VTP file, perhaps in gzip, told apart by content; or example:NAME or
+    /// example:NAME:TRIANGLES, NAME one of m6, torus, sphere, plate, block
     #[arg(value_name = "IN")]
     input: Input,
-    /// The format of IN, where its content leaves it open: obj, stl, ply, off, msh, vtk, vtu or vtp
-    #[arg(long, value_name = "FORMAT")]
+    /// The format of IN, where its content leaves it open
+    ///
+    /// obj, stl, ply, off, msh, vtk, vtu or vtp
+    #[arg(long, value_name = "FORMAT", help_heading = "Input")]
     format: Option<Format>,
 }
 

@@ -11,16 +11,20 @@ pub struct LayoutArguments {
     /// Whether rows of tiles may end inside the surface
     #[arg(long = "rows", value_name = "KIND", default_value = "paper", help_heading = "Rows")]
     row_ends: RowEnds,
-    /// The degree to which the sides of tiles follow the field so that fewer rows end, from 0 (equal tiles, or the wanted sizes)
-    /// to 1
+    /// How far sides follow the field, so that fewer rows end (0 to 1)
+    ///
+    /// 0: tiles are equal, or have the wanted sizes
     #[arg(long, value_name = "DIAL", default_value_t = 0.0, value_parser = dial, help_heading = "Rows")]
     pub fit: f64,
-    /// The largest side over the mean one, and the mean over the smallest, that --fit may ask for
+    /// The largest side over the mean one that --fit may ask for
+    ///
+    /// The same number bounds the mean side over the smallest one
     #[arg(long, value_name = "FACTOR", default_value_t = 2.5, value_parser = factor, help_heading = "Rows")]
     pub fit_range: f64,
-    /// Rectangular tiles: their longer side, which lies along the guides, over the shorter one (1 to 20), the area being that
-    /// of the square. Needs a guide; where the field has no direction but a cross, about singularities of a quarter turn, tiles
-    /// are squares. Not with --fit
+    /// Rectangular tiles: the longer side over the shorter (1 to 20)
+    ///
+    /// The longer side lies along the guides, of which there must be one; the area is that of the square. Where the field has no direction
+    /// but a cross, about singularities of a quarter turn, tiles are squares. Not with --fit
     #[arg(long, value_name = "RATIO", default_value_t = 1.0, value_parser = aspect, help_heading = "Rows")]
     pub aspect: f64,
 }

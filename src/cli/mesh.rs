@@ -1,6 +1,7 @@
 //! `quadmosaic mesh`.
 
 use super::backend::Machine;
+use super::config::ConfigArguments;
 use super::input::Source;
 use super::mesh_output::MeshOutput;
 use super::method::MethodArguments;
@@ -32,31 +33,38 @@ pub struct Arguments {
     output: MeshOutput,
 
     #[command(flatten)]
+    _config: ConfigArguments,
+    #[command(flatten)]
     method: MethodArguments,
-    /// Exit with code 3 and write no file where the mesh has a fault, or differs from the surface in its Euler characteristic,
-    /// boundary loops or components, or lacks a part of it; without this option that is a warning
+    /// Refuse a mesh with a fault: exit with code 3, write no file
+    ///
+    /// Refused is also a mesh that differs from the surface in its Euler characteristic, boundary loops or components, or lacks a part of
+    /// it; without this option that is a warning
     #[arg(long, help_heading = "Connection")]
     strict: bool,
 
     #[command(flatten)]
     machine: Machine,
 
-    /// Write where each vertex lies on the input (arrays source_triangle, counted from 0, and source_barycentric); with PLY, VTK and
-    /// VTU
-    #[arg(long)]
+    /// Write where each vertex lies on the input, to PLY, VTK and VTU
+    ///
+    /// As the arrays source_triangle, counted from 0, and source_barycentric
+    #[arg(long, help_heading = "Output")]
     with_source: bool,
     /// Draw the mesh, as `quadmosaic picture` does
-    #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path)]
+    #[arg(long, value_name = "PIC.png|svg", value_parser = picture_path, help_heading = "Output")]
     picture: Option<PathBuf>,
-    /// Write a page for a browser: the mesh, the surface, the field and the tiles to look at, and strokes and sizes to draw, which are
-    /// saved as files for --guides and --size-field
-    #[arg(long, value_name = "PAGE.html", value_parser = page_path)]
+    /// Write a page for a browser, to look at the mesh and to draw on it
+    ///
+    /// It shows the mesh, the surface, the field and the tiles; strokes and sizes drawn on it are saved as files for --guides and
+    /// --size-field
+    #[arg(long, value_name = "PAGE.html", value_parser = page_path, help_heading = "Output")]
     html: Option<PathBuf>,
-    /// Write the printed figures, and more, as JSON; -: to standard output
-    #[arg(long, value_name = "FILE.json")]
+    /// Write the printed figures, and more, as JSON (-: standard output)
+    #[arg(long, value_name = "FILE.json", help_heading = "Output")]
     report: Option<Output>,
     /// Print warnings and errors only
-    #[arg(short, long)]
+    #[arg(short, long, help_heading = "Output")]
     quiet: bool,
 }
 
@@ -110,6 +118,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     warn(wrong.map(|wrong| format!("{}: {wrong}", arguments.output.output)));
     warn(report.warnings());
+    warn(warnings::of_seams(&soup, &options));
     let output = &arguments.output;
     warn(warnings::of_attributes(&soup.attributes, output.format()?, &output.output.to_string()));
     warn(warnings::of_precision(&soup, meshed.mesh.points.len()));

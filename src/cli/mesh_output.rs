@@ -8,11 +8,15 @@ use std::path::Path;
 
 #[derive(Args)]
 pub struct MeshOutput {
-    /// The file of the mesh, whose extension tells the format; it is written whole or not at all. -: standard output, with --to
-    #[arg(short, long, value_name = "OUT")]
+    /// The file of the mesh, whose extension tells the format
+    ///
+    /// It is written whole or not at all. -: standard output, with --to
+    #[arg(short, long, value_name = "OUT", help_heading = "Output")]
     pub output: Output,
-    /// The format, whatever the extension: obj, ply, stl, off, vtk, vtu, msh (4.1), msh22, su2, inp, bdf or glb
-    #[arg(long, value_name = "FORMAT")]
+    /// The format, whatever the extension
+    ///
+    /// obj, ply, stl, off, vtk, vtu, msh (4.1), msh22, su2, inp, bdf or glb
+    #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     to: Option<Format>,
 }
 

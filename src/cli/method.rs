@@ -3,29 +3,41 @@
 use super::field_arguments::FieldArguments;
 use super::fineness::FinenessArguments;
 use super::layout::LayoutArguments;
-use clap::{Args, ValueEnum};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, CommandFactory, ValueEnum, error::ErrorKind};
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::connectivity::{self, ConnectivityOptions};
 use quadmosaic::mesh::fill;
-use quadmosaic::options::{degrees, distance, up_to};
-use quadmosaic::pipeline::Options;
+use quadmosaic::options::{self, degrees, distance, up_to};
+use quadmosaic::pipeline::{Contradiction, Layout, Options};
 use quadmosaic::surface::KeptBoundary;
 use quadmosaic::symmetry::Symmetry;
 
 #[derive(Args)]
 pub struct MethodArguments {
+    /// The rows of tiles: sets --fit, --rows and --quads
+    ///
+    /// --fit, --rows and --quads override it, each one; what contradicts it is refused. `mosaic`, the default, is best where edges are to
+    /// be equal, or of given sizes, and `even` on smooth and slender surfaces where a few triangles do no harm. `quads` is best where a
+    /// solver or an artist wants quads alone, with few irregular vertices
+    #[arg(long, value_parser = layouts(), help_heading = "Options together")]
+    layout: Option<Layout>,
     #[command(flatten)]
     fineness: FinenessArguments,
-    /// Mesh the half of larger coordinates, and join its mirror image to it, bit for bit: x, y or z, the axis across which the plane
-    /// lies, at 0 or at OFFSET (y:0.5); or auto, which looks for the plane. The number of vertices is that of the whole mesh
+    /// Make the mesh symmetric about a plane, bit for bit
+    ///
+    /// The half of larger coordinates is meshed, and its mirror image is joined to it: x, y or z, the axis across which the plane lies, at
+    /// 0 or at OFFSET (y:0.5); or auto, which looks for the plane. The number of vertices is that of the whole mesh
     #[arg(long, value_name = "AXIS[:OFFSET]|auto", help_heading = "Symmetry")]
     symmetry: Option<Symmetry>,
-    /// Keep the vertices of the surface's open boundary, bit for bit, as those of the mesh's: patches of one surface that are meshed
-    /// apart fit together. With SIZE, in model units, they are points about so far apart along the boundary, which depend on its
-    /// curve alone; patches must then meet at corners of it
+    /// Keep the vertices of the surface's open boundary, bit for bit
+    ///
+    /// Patches of one surface that are meshed apart then fit together. With SIZE, in model units, the vertices are points about so far
+    /// apart along the boundary, which depend on its curve alone; patches must then meet at corners of it. Without, or with `exact`, they
+    /// are those of the surface
     #[arg(
         long,
-        value_name = "SIZE",
+        value_name = "SIZE|exact",
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "exact",
@@ -54,15 +66,17 @@ pub struct MethodArguments {
     /// The triangles that become quads
     #[arg(long, value_enum, default_value_t, help_heading = "Connection")]
     quads: Quads,
-    /// Do not optimise the connectivity: keep the triangles of the filling
+    /// No edits of the connectivity: keep the triangles of the filling
     #[arg(long, conflicts_with = "quads", help_heading = "Connection")]
     no_cleanup: bool,
-    /// Passes of vertex relocation, 0 to 1000; 0: vertices stay at the centres of tiles
+    /// Passes of vertex relocation, 0 to 1000
+    ///
+    /// 0: vertices stay at the centres of tiles
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
     smoothing: usize,
 
     #[command(flatten)]
-    layout: LayoutArguments,
+    rows: LayoutArguments,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -96,11 +110,12 @@ impl MethodArguments {
     /// The options.
     ///
     /// # Errors
-    /// Where a file of sizes, guides or feature edges cannot be read.
+    /// Where options contradict the layout, or a file of sizes, guides or feature edges cannot be read.
     pub fn options(&self) -> anyhow::Result<Options> {
         let rest = Options {
             symmetry: self.symmetry,
             keep_boundary: self.keep_boundary,
+            layout: self.layout.unwrap_or_default(),
             sizes: self.fineness.sizes()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },
             holes: match self.holes {
@@ -119,6 +134,15 @@ impl MethodArguments {
             smoothing: self.smoothing,
             ..Options::new(self.fineness.fineness())
         };
-        self.layout.options(&self.directions, rest)
+        let options = self.rows.options(&self.directions, rest)?;
+        let refused = Contradiction::expect_none(&options);
+        refused.map_err(|error| super::Arguments::command().error(ErrorKind::ArgumentConflict, error))?;
+        Ok(options)
     }
+}
+
+/// The names of layouts, with what they are.
+fn layouts() -> impl TypedValueParser<Value = Layout> {
+    let value = |layout: Layout| PossibleValue::new(layout.name()).help(layout.purpose());
+    PossibleValuesParser::new(Layout::ALL.map(value)).try_map(|name| options::layout(&name))
 }

@@ -3,6 +3,7 @@
 mod backend;
 mod batch;
 mod check;
+mod config;
 mod devices;
 mod example;
 mod features;
@@ -24,6 +25,7 @@ mod summary;
 mod view;
 
 use clap::{Parser, Subcommand};
+use config::Request;
 use mesh::Unsound;
 use std::ffi::OsString;
 
@@ -62,7 +64,11 @@ const UNSOUND: u8 = 3;
 
 /// Does what the arguments ask for, the program's name first, and returns the exit code.
 pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> u8 {
-    let done = Arguments::try_parse_from(arguments).map_err(anyhow::Error::from).and_then(run);
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    let done = config::parse(&arguments).and_then(|request| match request {
+        Request::Run(arguments) => run(arguments),
+        Request::Print(text) => output::print(&text),
+    });
     let Err(error) = done else { return 0 };
     // Wrong usage that clap could not see by itself exits as all wrong usage does, with code 2.
     if let Some(usage) = error.downcast_ref::<clap::Error>() {

@@ -65,7 +65,7 @@ impl Laying<'_> {
                 best = other;
             }
         }
-        Ok(Mosaic { wanted: count, ..best })
+        Ok(Mosaic { wanted: count, aimed: count, ..best })
     }
 
     /// A mosaic that has `count` tiles before its finest level is relaxed; what was `tried` for another count shows where to

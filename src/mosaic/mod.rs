@@ -49,8 +49,10 @@ pub struct Mosaic {
     pub sides: usize,
     /// The scale of the tiles' sizes.
     pub scale: f32,
-    /// The number of tiles that were wanted.
+    /// The number of vertices that the mesh is to have.
     pub wanted: usize,
+    /// The number of tiles that were aimed at for it.
+    pub aimed: usize,
     pub(crate) curve_parameters: CurveParameters,
     /// See [`Mosaic::factor`]; empty where tiles are squares.
     pub(crate) factors: Vec<f32>,
@@ -96,6 +98,7 @@ impl Mosaic {
             sides,
             scale: h,
             wanted: 0,
+            aimed: 0,
             curve_parameters,
             factors,
             metric: None,

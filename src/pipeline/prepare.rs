@@ -29,6 +29,8 @@ pub(super) struct Sizing<'a> {
     wanted: Wanted<'a>,
     /// The number of tiles that is asked for.
     pub count: usize,
+    /// The number of tiles that is aimed at over the wanted number of vertices: the connectivity optimisation adds or removes some.
+    pub aim: f64,
 }
 
 /// The surface with the features that tiles of this fineness resolve, the sizes of the tiles, and the wanted number of vertices.
@@ -80,7 +82,7 @@ pub(super) fn prepared<'a>(
     }
     progress.check()?;
     let wanted = options.sizes.on(&surface, f64::from(side), thin_sides.is_some());
-    Sizing { wanted, count }.sized(surface, options, progress)
+    Sizing { wanted, count, aim: 1.0 }.sized(surface, options, progress)
 }
 
 impl<'a> Sizing<'a> {
@@ -117,7 +119,7 @@ impl<'a> Sizing<'a> {
             }
             sizes = wanted.sizes(&surface, count)?;
         }
-        Ok(Prepared { surface, sizing: Self { wanted, count: self.count }, sizes, count })
+        Ok(Prepared { surface, sizing: Self { wanted, ..self }, sizes, count })
     }
 }
 

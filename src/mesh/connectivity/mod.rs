@@ -47,6 +47,17 @@ pub enum Quads {
     All,
 }
 
+impl Quads {
+    /// The name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Most => "most",
+            Self::All => "all",
+        }
+    }
+}
+
 /// Options of the connectivity optimisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConnectivityOptions {

@@ -4,11 +4,15 @@
 //! The functions of this module read one value each, with its range and its message. [`Options::set`] reads any option by the name
 //! that the command line has, with `_` for `-`.
 
+mod settings;
+
+pub use settings::{Preset, Setting};
+
 use crate::field::{ASPECTS, Align};
 use crate::mesh::connectivity::{ConnectivityOptions, Quads};
 use crate::mesh::fill::Holes;
 use crate::parametrize::Rows;
-use crate::pipeline::{Fineness, Options, POINTS};
+use crate::pipeline::{Fineness, Layout, Options, POINTS};
 use crate::surface::{KeptBoundary, Length, LengthError, NoKeptBoundary};
 use crate::symmetry::{NoSymmetry, Symmetry};
 use std::ops::RangeInclusive;
@@ -95,7 +99,9 @@ pub enum OptionError {
 }
 
 /// The names of the options that [`Options::set`] knows.
-pub const NAMES: [&str; 26] = [
+pub const NAMES: [&str; 28] = [
+    "preset",
+    "layout",
     "points",
     "size",
     "symmetry",
@@ -124,8 +130,13 @@ pub const NAMES: [&str; 26] = [
     "smoothing",
 ];
 
+const LAYOUTS: &[&str; 3] = &[Layout::Mosaic.name(), Layout::Even.name(), Layout::Quads.name()];
+const PRESETS: &[&str; 5] =
+    &[Preset::Cfd.name(), Preset::Fem.name(), Preset::Scan.name(), Preset::Retopo.name(), Preset::Paper.name()];
+
 impl Options {
-    /// Sets one option to a value as the command line writes it; a flag to `true` or `false`.
+    /// Sets one option to a value as the command line writes it; a flag to `true` or `false`. What a preset or a layout sets,
+    /// later calls override: set it first.
     ///
     /// # Errors
     /// Where there is no such option, or the value is none of its.
@@ -137,6 +148,8 @@ impl Options {
 
     fn set_known(&mut self, name: &'static str, value: &str) -> Result<(), ValueError> {
         match name {
+            "preset" => self.prepare_for(preset(value)?),
+            "layout" => self.lay_out(layout(value)?),
             "points" => self.fineness = Fineness::Points(points(value)?),
             "size" => self.fineness = Fineness::Size(positive(value)?),
             "symmetry" => self.symmetry = Some(value.parse::<Symmetry>()?),
@@ -266,6 +279,22 @@ pub fn align(text: &str) -> Result<Align, ValueError> {
     Ok(Align { weight: weight.ok_or(ValueError::Align)?, side: None })
 }
 
+/// A layout by its name.
+///
+/// # Errors
+/// Where the text is none.
+pub fn layout(text: &str) -> Result<Layout, ValueError> {
+    word(text, LAYOUTS, Layout::ALL)
+}
+
+/// A preset by its name.
+///
+/// # Errors
+/// Where the text is none.
+pub fn preset(text: &str) -> Result<Preset, ValueError> {
+    word(text, PRESETS, Preset::ALL)
+}
+
 fn flag(text: &str) -> Result<bool, ValueError> {
     word(text, &["true", "false"], [true, false])
 }
@@ -293,6 +322,8 @@ mod tests {
             "weld" | "drop_parts" | "fill_holes" => "0.1%",
             "align" => "curvature:1",
             "rows" => "continuous",
+            "preset" => "scan",
+            "layout" => "quads",
             "holes" => "leave",
             "quads" => "all",
             "fit" => "0.5",
@@ -314,6 +345,6 @@ mod tests {
             }
         }
         let said = set("point", "5").expect_err("there is none").to_string();
-        assert!(said.starts_with("there is no option point; the options are points, size,"), "{said}");
+        assert!(said.starts_with("there is no option point; the options are preset, layout, points,"), "{said}");
     }
 }
