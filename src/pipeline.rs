@@ -285,11 +285,11 @@ impl Meshed {
 
     /// The places of the faults and differences, in model units.
     fn faulty_places(&self) -> Vec<[f64; 3]> {
-        let uncovered = self.differences.iter().filter_map(|difference| match *difference {
-            Difference::Uncovered { at, .. } => Some(at),
+        let of_differences = self.differences.iter().filter_map(|difference| match *difference {
+            Difference::Uncovered { at, .. } | Difference::KeptBoundary { at, .. } => Some(at),
             _ => None,
         });
-        self.faults.list.iter().map(|fault| fault.at).chain(uncovered).collect()
+        self.faults.list.iter().map(|fault| fault.at).chain(of_differences).collect()
     }
 }
 

@@ -123,6 +123,13 @@ pub enum Difference {
         /// The point.
         at: [f64; 3],
     },
+    /// Edges of a boundary that was to be kept are no boundary edges of the mesh.
+    KeptBoundary {
+        /// Their number.
+        missing: usize,
+        /// The middle of one of them, in model units.
+        at: [f64; 3],
+    },
 }
 
 impl Difference {
@@ -151,6 +158,10 @@ impl fmt::Display for Difference {
             }
             Self::Uncovered { distance, at } => {
                 write!(f, "the surface at {} is {distance:.1} edge lengths from the mesh", shown(&at))
+            }
+            Self::KeptBoundary { missing, at } => {
+                let (edges, are) = if missing == 1 { ("edge", "is") } else { ("edges", "are") };
+                write!(f, "{missing} {edges} of the boundary, which was to be kept, {are} missing, at {}", shown(&at))
             }
         }
     }

@@ -56,12 +56,19 @@ pub fn sample_features(
     let mut joined = FxHashSet::default();
     let keeps_boundary = surface.keeps_boundary() && curve_parameters.factor == curve_parameters.last_factor;
     let shared = if keeps_boundary { shared_curves(surface) } else { Vec::new() };
-    for (number, curve) in surface.features().curves().iter().enumerate() {
+    let is_kept =
+        |number: usize, curve: &Curve| keeps_boundary && !shared[number] && surface.twin(curve.half_edges[0]).is_none();
+    let curves = || surface.features().curves().iter().enumerate();
+    for (_, curve) in curves().filter(|&(number, curve)| is_kept(number, curve)) {
         let path = CurvePath::new(surface, field, curve);
-        if keeps_boundary && !shared[number] && surface.twin(curve.half_edges[0]).is_none() {
-            samples.along(surface, &path, h, &path.kept(surface), None);
-            continue;
+        let parameters = path.kept(surface);
+        samples.along(surface, &path, h, &parameters, None);
+        if intervals(&parameters) == 1 {
+            joined.insert(path.ends(surface));
         }
+    }
+    for (_, curve) in curves().filter(|&(number, curve)| !is_kept(number, curve)) {
+        let path = CurvePath::new(surface, field, curve);
         let least = {
             // Few intervals must not make a loop of less than three edges, nor two edges between the same two corners.
             let ends = path.ends(surface);

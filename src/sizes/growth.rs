@@ -29,7 +29,7 @@ impl<'a> Growth<'a> {
         all.dedup_by_key(|[a, b, _]| [*a, *b]);
         let starts = (0..=surface.vertex_count() as u32).map(|v| all.partition_point(|edge| edge[0] < v) as u32);
         let edges = all.iter().map(|&[_, b, h]| (b, surface.length(h))).collect();
-        Self { surface, starts: starts.collect(), edges, kept: surface.kept_edges() }
+        Self { surface, starts: starts.collect(), edges, kept: surface.kept_lengths() }
     }
 
     /// Makes sides those of the edges of the boundary that the mesh keeps, from which other sides differ by at most `slope` times

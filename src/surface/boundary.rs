@@ -115,28 +115,42 @@ impl Surface {
         self.chains().into_iter().flat_map(|chain| chain.vertices).filter(|&v| !self.is_kept(v)).collect()
     }
 
-    /// The length of a kept boundary's edges at its vertices, unit-sized: the mean of the two at a kept vertex.
-    pub(crate) fn kept_edges(&self) -> Vec<(u32, f64)> {
+    /// The ends of the edges of a kept boundary.
+    pub(crate) fn kept_edges(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.kept_runs().into_iter().map(|run| [run[0], run[run.len() - 1]])
+    }
+
+    /// The vertices of a kept boundary from each kept one to the next.
+    fn kept_runs(&self) -> Vec<Vec<u32>> {
         if !self.keeps_boundary() {
             return Vec::new();
         }
-        let mut lengths = Vec::new();
+        let mut runs = Vec::new();
         for Chain { mut vertices, is_loop } in self.chains() {
             if is_loop {
                 let first = vertices.iter().position(|&v| self.is_kept(v)).unwrap_or(0);
                 vertices.rotate_left(first);
                 vertices.push(vertices[0]);
             }
-            let (mut run, mut passed) = (vec![vertices[0]], 0.0);
-            for ends in vertices.windows(2) {
-                let [a, b] = [ends[0], ends[1]].map(|v| self.points[v as usize].as_dvec3());
-                passed += a.distance(b);
-                run.push(ends[1]);
-                if self.is_kept(ends[1]) {
-                    lengths.extend(run.drain(..).map(|v| (v, passed)));
-                    (run, passed) = (vec![ends[1]], 0.0);
+            let mut run = vec![vertices[0]];
+            for &v in &vertices[1..] {
+                run.push(v);
+                if self.is_kept(v) {
+                    runs.push(std::mem::replace(&mut run, vec![v]));
                 }
             }
+        }
+        runs
+    }
+
+    /// The length of a kept boundary's edges at its vertices, unit-sized: the mean of the two at a kept vertex.
+    pub(crate) fn kept_lengths(&self) -> Vec<(u32, f64)> {
+        let place = |v: u32| self.points[v as usize].as_dvec3();
+        let length = |run: &[u32]| run.windows(2).map(|ends| place(ends[0]).distance(place(ends[1]))).sum::<f64>();
+        let mut lengths: Vec<(u32, f64)> = Vec::new();
+        for run in self.kept_runs() {
+            let length = length(&run);
+            lengths.extend(run.into_iter().map(|v| (v, length)));
         }
         lengths.sort_unstable_by_key(|&(v, _)| v);
         let mean = |of_one: &[(u32, f64)]| {
