@@ -80,18 +80,27 @@ fn bisected(soup: &Soup, parts: usize) -> Vec<Soup> {
 #[test]
 fn the_boundary_of_the_mesh_is_that_of_the_input_bit_for_bit() {
     // Coordinates that f32 does not hold.
-    let mut plate = example("plate", 1_500);
-    plate.points.iter_mut().for_each(|p| *p = [1e3 + p[0] / 3.0, p[1] / 3.0 - 70.0, 0.1 + p[0] * p[1]]);
-    let given = boundary(&Mesh::from(plate.clone()));
-    for points in [300, 1_500] {
-        for quads in [Quads::Most, Quads::All] {
-            let connectivity = Some(ConnectivityOptions { quads, ..ConnectivityOptions::default() });
-            let plain = Options { connectivity, ..options(None, Fineness::Points(points)) };
-            let kept = mesh(&plate, &Options { keep_boundary: Some(KeptBoundary::Exact), ..plain.clone() });
-            assert_eq!(boundary(&kept), given, "{points} {quads:?}");
-            let (faults, comparison) = check_against(&kept, &surface(&plate));
-            assert!(faults.is_clean() && comparison.expect("a comparison").differences.is_empty(), "{faults}");
-            assert_ne!(boundary(&mesh(&plate, &plain)), given, "without the option it is another");
+    let shapes: [fn([f64; 3]) -> [f64; 3]; 4] = [
+        |[x, y, _]| [x, y, 0.1],
+        |[x, y, _]| [1e3 + x / 3.0, y / 3.0 - 70.0, 0.1 + x * y],
+        |[x, y, _]| [x, 0.6 * y, 0.2 * (5.0 * x).sin()],
+        |[x, y, _]| [1e-3 * (0.5 + x) * (2.0 * y).cos(), 1e-3 * (0.5 + x) * (2.0 * y).sin(), 1e-4 * x],
+    ];
+    for (number, shape) in shapes.into_iter().enumerate() {
+        let mut plate = example("plate", 1_500);
+        plate.points.iter_mut().for_each(|p| *p = shape(*p));
+        let given = boundary(&Mesh::from(plate.clone()));
+        for points in [300, 800, 1_500] {
+            for quads in [Quads::Most, Quads::All] {
+                let connectivity = Some(ConnectivityOptions { quads, ..ConnectivityOptions::default() });
+                let plain = Options { connectivity, ..options(None, Fineness::Points(points)) };
+                let kept = mesh(&plate, &Options { keep_boundary: Some(KeptBoundary::Exact), ..plain.clone() });
+                assert_eq!(boundary(&kept), given, "{number} {points} {quads:?}");
+                let (faults, comparison) = check_against(&kept, &surface(&plate));
+                let differences = comparison.expect("a comparison").differences;
+                assert!(faults.is_clean() && differences.is_empty(), "{number} {points} {quads:?}: {faults}");
+                assert_ne!(boundary(&mesh(&plate, &plain)), given, "without the option it is another");
+            }
         }
     }
 }

@@ -6,15 +6,13 @@
 
 use super::attributes::{VertexAttributes, attributes};
 use super::check::{Fault, Faults, Kind, check_joined, sort};
-use super::compare::{Difference, differences_from, uncovered};
-use super::incidence::undirected;
+use super::compare::{Difference, differences_from, missing_kept_edges, uncovered};
 use super::join::{Joined, join};
 use super::objective::Context;
 use super::regions::with_regions;
 use super::surface_mesh::SurfaceMesh;
 use super::{Mesh, Triangulation};
 use crate::mosaic::{FeaturePoint, Mosaic};
-use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// A finished mesh, with its faults and its differences from the surface.
@@ -61,8 +59,9 @@ pub(crate) fn finish(
     let (points, vertices) = all.map(|(_, known)| known).unzip();
     joined.points = points;
     let mut faults = if context.is_cancelled() { Faults::default() } else { check_joined(&joined, &branches) };
-    let kept = missing_edges(context, mesh, mosaic, &joined, &number);
-    let differences = differences_from(faults.topology(), surface).into_iter().chain(uncovered).chain(kept).collect();
+    let missing = missing_kept_edges(surface, &kept_vertices(mesh, mosaic, &number), &joined);
+    let differences =
+        differences_from(faults.topology(), surface).into_iter().chain(uncovered).chain(missing).collect();
     faults.list.extend(inverted.map(|face| Fault {
         kind: Kind::FlippedFace { face },
         at: joined.middle(joined.face(face as usize)).to_array(),
@@ -71,36 +70,14 @@ pub(crate) fn finish(
     Finished { mesh: joined, vertices, branches, faults, differences }
 }
 
-/// The edges of a kept boundary that the boundary of the joined mesh lacks. `number` has the joined vertex of each one of the mesh.
-fn missing_edges(
-    context: &Context,
-    mesh: &SurfaceMesh,
-    mosaic: &Mosaic,
-    joined: &Mesh,
-    number: &[u32],
-) -> Option<Difference> {
-    let surface = context.surface;
-    if !surface.keeps_boundary() {
-        return None;
-    }
-    let mut vertices: FxHashMap<u32, u32> = FxHashMap::default();
-    for (vertex, &number) in mesh.vertices().iter().zip(number).filter(|(vertex, _)| vertex.is_kept) {
-        if let Some(FeaturePoint::Vertex(v)) =
-            mosaic.feature_samples.get(vertex.origin as usize).map(|sample| sample.point)
-        {
-            vertices.insert(v, number);
-        }
-    }
-    let edges = joined.edges();
-    let boundary: FxHashSet<[u32; 2]> =
-        edges.iter().filter(|edge| edge.is_boundary()).map(|edge| undirected(edge.ends)).collect();
-    let is_there = |ends: [u32; 2]| {
-        let [a, b] = ends.map(|v| vertices.get(&v));
-        a.zip(b).is_some_and(|(&a, &b)| boundary.contains(&undirected([a, b])))
-    };
-    let missing: Vec<[u32; 2]> = surface.kept_edges().filter(|&ends| !is_there(ends)).collect();
-    let [a, b] = missing.first()?.map(|v| DVec3::from(surface.model_point(v)));
-    Some(Difference::KeptBoundary { missing: missing.len(), at: ((a + b) / 2.0).into() })
+/// The joined vertices of a mesh at the kept vertices of its surface. `number` has the joined vertex of each one of the mesh.
+fn kept_vertices(mesh: &SurfaceMesh, mosaic: &Mosaic, number: &[u32]) -> FxHashMap<u32, u32> {
+    let kept = mesh.vertices().iter().zip(number).filter(|(vertex, _)| vertex.is_kept);
+    kept.filter_map(|(vertex, &number)| match mosaic.feature_samples.get(vertex.origin as usize)?.point {
+        FeaturePoint::Vertex(v) => Some((v, number)),
+        FeaturePoint::Edge(..) => None,
+    })
+    .collect()
 }
 
 /// A mesh each of whose vertices has a face, with its sheets joined, in model units, without regions.
