@@ -5,6 +5,8 @@
 //! turns there [at the scale of a tile](super::turning). Convex and concave parts cancel. So a long sharp edge persists; a short
 //! one, the rims of a groove narrower than a tile, and creases of noise do not.
 //!
+//! A crease in rough surroundings must be the more persistent, the more dropped creases are near it: it must differ from them.
+//!
 //! The least persistent crease is dropped first. Two curves that are left at a corner and do not turn there become one, whose
 //! persistence is the sum: a long crease stays when its branches are dropped, and a weak part of it stays with the strong ones,
 //! which is hysteresis.
@@ -18,6 +20,8 @@ use super::turning::turn;
 use super::{Curve, DroppedEdge, FeatureOptions, NONE, Reason, Surface, features};
 use glam::DVec3;
 use rayon::prelude::*;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -38,7 +42,11 @@ const REACH: f64 = 1.0;
 const MOST_REACH: f64 = 0.1;
 /// Two creases with the same ends that are nowhere farther apart, in tile sides, are one.
 const LEAST_APART: f64 = 0.15;
-/// The distance between the points of a crease at which its turn is measured, in tile sides.
+/// The distance from a crease within which dropped ones make the surface rough, in tile sides.
+const NEAR: f64 = 1.5;
+/// The share of the least persistence that each tile side of dropped creases there adds to it.
+const ROUGHNESS: f64 = 0.5;
+/// The distance between the points of a crease at which turns and roughness are measured, in tile sides.
 const SPACING: f64 = 0.25;
 
 /// The features that persist, and the creases that do not.
@@ -58,10 +66,10 @@ pub(super) fn persistent(surface: &Surface, options: &FeatureOptions, side: f64,
     };
     let mut pieces = Pieces::new(surface, options, side_along);
     let mut creases: Vec<(Reason, Vec<(u32, f32)>)> = Vec::new();
-    while let Some(Reverse((_, id))) = pieces.queue.pop() {
-        if let Some(reason) = pieces.reason_to_drop(id) {
-            creases.push((reason, pieces.drop_piece(id)));
-        }
+    pieces.drop_weak(&mut creases);
+    if !options.every_crease {
+        pieces.measure_roughness(&creases, side);
+        pieces.drop_weak(&mut creases);
     }
     for id in pieces.doubles(LEAST_APART * side) {
         creases.push((Reason::Double, pieces.drop_piece(id)));
@@ -125,6 +133,8 @@ struct Piece {
     length: f64,
     /// Negative where it is concave.
     persistence: f64,
+    /// The mean length of the dropped creases near it, in tile sides, times its length.
+    roughness: f64,
     may_go: bool,
 }
 
@@ -153,7 +163,7 @@ impl<'a> Pieces<'a> {
                 false => (curve.half_edges.iter().map(|&h| (h, 180.0)).collect(), MOST_WEIGHT * length),
             };
             let ends = (!curve.closed).then(|| [curve.vertices[0], curve.vertices[curve.vertices.len() - 1]]);
-            Piece { ends, edges, length, persistence, may_go }
+            Piece { ends, edges, length, persistence, roughness: 0.0, may_go }
         };
         let list: Vec<Piece> = surface.features.curves().par_iter().map(piece).collect();
         list.into_iter().for_each(|piece| pieces.add(piece));
@@ -175,12 +185,51 @@ impl<'a> Pieces<'a> {
         }
     }
 
+    /// Drops the creases that do not persist, and adds them to `creases`.
+    fn drop_weak(&mut self, creases: &mut Vec<(Reason, Vec<(u32, f32)>)>) {
+        while let Some(Reverse((_, id))) = self.queue.pop() {
+            if let Some(reason) = self.reason_to_drop(id) {
+                creases.push((reason, self.drop_piece(id)));
+            }
+        }
+    }
+
+    /// Measures the roughness near each piece by the dropped creases; all pieces wait for another try.
+    fn measure_roughness(&mut self, creases: &[(Reason, Vec<(u32, f32)>)], side: f64) {
+        let surface = self.surface;
+        let middle = |h: u32| {
+            let [a, b] = [surface.origin(h), surface.target(h)].map(|v| surface.points[v as usize].as_dvec3());
+            ((a + b) / 2.0).to_array()
+        };
+        let dropped = creases.iter().flat_map(|(_, edges)| edges);
+        let dropped = dropped.map(|&(h, _)| GeomWithData::new(middle(h), surface.length(h) / side));
+        let dropped = RTree::bulk_load(dropped.collect());
+        let near = |h: u32| {
+            dropped.locate_within_distance(middle(h), (NEAR * side).powi(2)).map(|edge| edge.data).sum::<f64>()
+        };
+        for id in 0..self.list.len() {
+            if let Some(piece) = &mut self.list[id] {
+                let (mut rest, mut last) = (0.0, 0.0);
+                for &(h, _) in &piece.edges {
+                    if rest <= 0.0 {
+                        (last, rest) = (near(h), SPACING);
+                    }
+                    let length = surface.length(h) / side;
+                    piece.roughness += last * length;
+                    rest -= length;
+                }
+                self.wait(id as u32);
+            }
+        }
+    }
+
     /// The reason to drop a piece; `None` where it persists or is dropped already.
     fn reason_to_drop(&self, id: u32) -> Option<Reason> {
         let piece = self.list[id as usize].as_ref()?;
         let least = if piece.ends.is_none_or(|[start, end]| start == end) { CLOSED } else { OPEN };
         let reason = if MOST_WEIGHT * piece.length < least { Reason::Short } else { Reason::Weak };
-        (piece.persistence.abs() < least).then_some(reason)
+        let contrast = 1.0 + ROUGHNESS * piece.roughness / piece.length.max(f64::MIN_POSITIVE);
+        (piece.persistence.abs() < least * contrast).then_some(reason)
     }
 
     /// The creases that have the same ends as a more persistent curve and are nowhere farther from it than `apart`, unit-sized:
@@ -264,6 +313,7 @@ impl<'a> Pieces<'a> {
             edges: a.edges,
             length: a.length + b.length,
             persistence: a.persistence + b.persistence,
+            roughness: a.roughness + b.roughness,
             may_go: a.may_go && b.may_go,
         });
     }

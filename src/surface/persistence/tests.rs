@@ -201,3 +201,26 @@ fn of_two_creases_beside_each_other_between_the_same_ends_one_stays() {
     assert_eq!(left(&surface, &lines, 100.0, 6.6), [8, 10, 6, 6]);
     assert_eq!(left(&surface, &lines, 100.0, 6.7), [0, 10, 6, 6]);
 }
+
+#[test]
+fn a_crease_among_many_dropped_ones_must_be_more_persistent() {
+    // A fold of 50 degrees along y, and spikes of height 1.5 at a distance of 4 on either side of it.
+    let fold: Vec<[f64; 2]> = (-8..=8).map(f64::from).map(|x| [x, x.max(0.0) * 50.0_f64.to_radians().tan()]).collect();
+    let kept_on_fold = |is_rough: bool, side: f64| {
+        let mut soup = drawn_out(&fold, 32, 1.0);
+        if is_rough {
+            let is_spike = |p: &[f64; 3]| p[0].abs() == 4.0 && p[1] % 4.0 == 2.0;
+            soup.points.iter_mut().filter(|p| is_spike(p)).for_each(|p| p[2] += 1.5);
+        }
+        let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let marked = persistent(&surface, &FeatureOptions::default(), side / surface.frame().diagonal, None).marked;
+        let place = |v: u32| DVec3::from(surface.frame().to_model(surface.point(v)));
+        let on_fold = |&h: &u32| {
+            surface.twin(h).is_some_and(|twin| h < twin)
+                && [surface.origin(h), surface.target(h)].iter().all(|&v| place(v).x.abs() < 1e-3)
+        };
+        (0..marked.len() as u32).filter(on_fold).filter(|&h| marked[h as usize]).count()
+    };
+    assert_eq!([kept_on_fold(false, 7.0), kept_on_fold(true, 7.0)], [32, 0]);
+    assert_eq!([kept_on_fold(false, 12.0), kept_on_fold(true, 1.0)], [0, 32], "its own persistence counts too");
+}
