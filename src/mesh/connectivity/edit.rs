@@ -305,7 +305,8 @@ impl<'a> Edit<'a> {
 
     /// Whether the edit keeps the mesh a manifold of the same topology. The faces at each touched vertex form one fan, of at
     /// least three faces round a free vertex; no two edges have the same ends, and no two faces the same vertices; no new
-    /// boundary appears; boundary edges that are kept stay; the Euler characteristic stays; and each vertex on a feature has a face, except those in `dropped`.
+    /// boundary appears; boundary edges that are kept stay; the Euler characteristic stays; and each vertex on a feature has a
+    /// face, except those in `dropped`.
     pub(crate) fn is_sound_without(&self, dropped: &[u32]) -> bool {
         let mut spokes: Vec<[u32; 2]> = Vec::new();
         self.touched().into_iter().all(|v| {
