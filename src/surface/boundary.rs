@@ -21,8 +21,6 @@ use thiserror::Error;
 
 /// A sample nearer to a vertex of the boundary than this, in asked sides, is on it.
 const SNAP: f64 = 0.02;
-/// A crease that ends on a kept boundary between two kept vertices ends so far from it, in tile sides.
-pub(super) const TRIMMED: f64 = 0.7;
 
 /// The boundary vertices of a mesh, where it keeps the boundary of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

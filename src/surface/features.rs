@@ -1,6 +1,5 @@
 //! Feature edges: creases and open boundaries, chained into curves that end at corners.
 
-use super::boundary::TRIMMED;
 use super::curve::Curve;
 use super::{NONE, Surface, next};
 use crate::geometry::dot;
@@ -62,6 +61,9 @@ pub enum Reason {
     /// A more persistent crease has the same ends and is nowhere farther away than a small part of a tile.
     Double,
 }
+
+/// A crease that ends on a kept boundary between two kept vertices ends so far from it, in tile sides.
+const TRIMMED: f64 = 0.7;
 
 /// The features of a surface.
 #[derive(Clone, Debug, Default)]
