@@ -23,6 +23,7 @@
 //! | choose a layout, or the options for a purpose | [`Layout`], [`Preset`] |
 //! | draw rows along directions | [`field::Guide`], `examples/guides.rs` |
 //! | make a mesh symmetric | [`symmetry`], [`Options::symmetry`](Options#structfield.symmetry) |
+//! | mesh patches of a surface apart, and join them | [`Options::keep_boundary`](Options#structfield.keep_boundary), `examples/patches.rs` |
 //! | give sizes | [`sizes::SizeOptions`], `examples/sizes.rs` |
 //! | mesh many surfaces, on several threads | [`Mesher`], `examples/many.rs` |
 //! | see the progress, cancel a run | [`Mesher::mesh_watched`] |

@@ -39,7 +39,9 @@ use crate::parametrize::Rows;
 use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
 use crate::progress::{Cancelled, Progress};
 use crate::sizes::{FEW, SizeOptions, Sizes, SizesError};
-use crate::surface::{FeatureOptions, NamedEdge, RepairOptions, Soup, Surface, SurfaceError};
+use crate::surface::{
+    BoundaryError, FeatureOptions, KeptBoundary, NamedEdge, RepairOptions, Soup, Surface, SurfaceError,
+};
 use crate::symmetry::{Symmetry, SymmetryError};
 use std::iter::zip;
 use std::time::{Duration, Instant};
@@ -65,6 +67,9 @@ pub struct Options {
     pub fineness: Fineness,
     /// The plane about which [`run`] makes the mesh symmetric, bit for bit. Default: none.
     pub symmetry: Option<Symmetry>,
+    /// The boundary vertices of the mesh, so that patches of one surface that are meshed apart fit together. Default: as tiles need
+    /// them.
+    pub keep_boundary: Option<KeptBoundary>,
     /// The repairs of the surface.
     pub repairs: RepairOptions,
     /// The features of the surface.
@@ -102,6 +107,7 @@ impl Options {
         Self {
             fineness,
             symmetry: None,
+            keep_boundary: None,
             repairs: RepairOptions::default(),
             features: FeatureOptions::default(),
             edges: Vec::new(),
@@ -139,6 +145,9 @@ pub enum PipelineError {
     /// The surface has no symmetry as asked.
     #[error(transparent)]
     Symmetry(#[from] SymmetryError),
+    /// The boundary cannot be kept as asked.
+    #[error(transparent)]
+    Boundary(#[from] BoundaryError),
     /// The wanted sizes are invalid.
     #[error(transparent)]
     Sizes(#[from] SizesError),
@@ -276,11 +285,11 @@ impl Meshed {
 
     /// The places of the faults and differences, in model units.
     fn faulty_places(&self) -> Vec<[f64; 3]> {
-        let uncovered = self.differences.iter().filter_map(|difference| match *difference {
-            Difference::Uncovered { at, .. } => Some(at),
+        let of_differences = self.differences.iter().filter_map(|difference| match *difference {
+            Difference::Uncovered { at, .. } | Difference::KeptBoundary { at, .. } => Some(at),
             _ => None,
         });
-        self.faults.list.iter().map(|fault| fault.at).chain(uncovered).collect()
+        self.faults.list.iter().map(|fault| fault.at).chain(of_differences).collect()
     }
 }
 

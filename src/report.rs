@@ -19,9 +19,10 @@ use crate::mesh::triangulate::Triangulation;
 use crate::mosaic::{Mosaic, quality::TileQuality};
 use crate::parametrize::RowEnds;
 use crate::pipeline::{Fineness, Options, Outcome, Symmetric};
+use crate::sets::Sets;
 use crate::surface::{Contacts, Curve, Denoised, Reason, Repairs, Surface};
 use crate::symmetry::{Asymmetry, Plane};
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Serialize;
 use singularities::{Found, singularities};
 use std::time::Duration;
@@ -44,6 +45,9 @@ pub struct Report {
     /// which are those of the half that was meshed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub symmetry: Option<SymmetryFigures>,
+    /// The boundary of the mesh, where it is that of the surface; absent where it is as tiles need it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub boundary: Option<BoundaryFigures>,
     /// The wanted fineness.
     pub asked: Asked,
     /// The backend of the heavy stages.
@@ -112,6 +116,28 @@ pub struct SymmetryFigures {
     pub on_plane: usize,
     /// The named regions of the surface that lie below the plane alone, so that the mesh does not have them.
     pub lost_regions: Vec<String>,
+}
+
+/// A boundary that was kept.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct BoundaryFigures {
+    /// The number of its edges.
+    pub edges: usize,
+    /// The number of connected parts of the mesh with an odd number of them: each has a triangle.
+    pub odd_parts: usize,
+}
+
+impl BoundaryFigures {
+    fn of(mesh: &Mesh) -> Self {
+        let mut parts = Sets::new(mesh.points.len());
+        mesh.faces().flat_map(|face| face.windows(2)).for_each(|ends| parts.join(ends[0], ends[1]));
+        let edges = mesh.edges();
+        let mut counts: FxHashMap<u32, usize> = FxHashMap::default();
+        for edge in edges.iter().filter(|edge| edge.is_boundary()) {
+            *counts.entry(parts.root(edge.ends[0])).or_default() += 1;
+        }
+        Self { edges: counts.values().sum(), odd_parts: counts.values().filter(|count| **count % 2 == 1).count() }
+    }
 }
 
 /// Creases that are no features, by reason.
@@ -285,6 +311,7 @@ impl Report {
             program: PROGRAM.to_owned(),
             surface: Input::new(name, whole),
             symmetry: symmetry.map(SymmetryFigures::new),
+            boundary: options.keep_boundary.map(|_| BoundaryFigures::of(&meshed.mesh)),
             asked: Asked::new(options.fineness),
             backend: Device::new(backend),
             field: FieldFigures::new(&outcome.field, &found),

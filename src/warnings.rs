@@ -12,14 +12,15 @@ const COUNT_TOLERANCE: f64 = 0.05;
 
 impl Report {
     /// What a user should know of the run, a sentence each: guides without full effect, tiles without the wanted aspect, repairs that
-    /// show in the mesh, sheets that touch or cross, a number of vertices that misses the wanted one, and options without effect. What
-    /// is wrong with the mesh itself is in [`Report::wrong`].
+    /// show in the mesh, sheets that touch or cross, a number of vertices that misses the wanted one, a kept boundary that leaves
+    /// triangles, and options without effect. What is wrong with the mesh itself is in [`Report::wrong`].
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = of_guides(&self.field.guides);
         warnings.extend(of_stretch(self.field.stretch.as_ref()));
         warnings.extend(of_surface(&self.surface));
         warnings.extend(self.symmetry.iter().flat_map(of_symmetry));
         warnings.extend(self.count_warning());
+        warnings.extend(self.odd_boundary_warning());
         warnings.extend(self.ineffective.iter().map(ToString::to_string));
         warnings
     }
@@ -31,12 +32,26 @@ impl Report {
         (!said.is_empty()).then(|| said.join("; "))
     }
 
+    /// Triangles that are left only because the kept boundary has an odd number of edges.
+    fn odd_boundary_warning(&self) -> Option<String> {
+        let odd = self.boundary.as_ref()?.odd_parts;
+        (odd > 0 && self.mesh.triangles == odd).then(|| {
+            let left = counted(odd, "triangle");
+            format!(
+                "{left} left, as a kept boundary of an odd number of edges goes round no mesh of quads alone; add a vertex to it or \
+                 remove one"
+            )
+        })
+    }
+
     fn count_warning(&self) -> Option<String> {
         let Asked::Points(asked) = self.asked else { return None };
         let found = self.mesh.vertices;
         (found.abs_diff(asked) as f64 > COUNT_TOLERANCE * asked as f64).then(|| {
             let (on_features, wanted) = (self.mosaic.on_features, self.mosaic.wanted);
-            let advice = if wanted > asked {
+            let advice = if self.boundary.is_some() {
+                ", as the edges of the boundary are kept; ask for another number, or for another size there".to_owned()
+            } else if wanted > asked {
                 format!(", as thin parts, or a mesh without faults, need {wanted}; ask for as many, or for --around 0")
             } else if found > asked && 2 * on_features > asked {
                 format!(

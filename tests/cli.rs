@@ -4,7 +4,7 @@
 mod desk;
 
 use desk::{Desk, text};
-use quadmosaic::mesh::{Mesh, read_mesh};
+use quadmosaic::mesh::{Edge, Mesh, read_mesh};
 use quadmosaic::surface::examples::Example;
 use quadmosaic::surface::load::read;
 use serde_json::Value;
@@ -966,6 +966,35 @@ fn materials_are_regions_of_the_mesh() {
     for (face, region) in mesh.faces().zip(&mesh.regions.of_face) {
         let middle = face.iter().map(|&v| mesh.points[v as usize][0]).sum::<f64>() / face.len() as f64;
         assert_eq!(*region == 0, middle < 1.0, "the border is kept");
+    }
+}
+
+#[test]
+fn the_boundary_of_the_surface_is_kept_in_the_file() {
+    let desk = Desk::new();
+    desk.said(&["example", "plate", "--triangles", "1000", "-o", "plate.obj"]);
+    let rim = |file: &str| {
+        let mesh = read_mesh(&desk.path(file)).expect("it is a mesh");
+        let open = mesh.edges().into_iter().filter(Edge::is_boundary).flat_map(|edge| edge.ends);
+        open.map(|v| mesh.points[v as usize].map(f64::to_bits)).collect::<std::collections::BTreeSet<_>>()
+    };
+    let mesh = ["mesh", "plate.obj", "--points", "300", "-o", "out.obj", "--report", "out.json"];
+    let said = desk.said(&[&mesh[..], &["--keep-boundary"]].concat());
+    assert_eq!(rim("out.obj"), rim("plate.obj"));
+    let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+    assert_eq!(report["boundary"]["edges"], rim("plate.obj").len());
+    assert!(said.contains(&format!("boundary   {} edges kept", rim("plate.obj").len())), "{said}");
+    desk.said(&[&mesh[..], &["--keep-boundary=0.05"]].concat());
+    // 20 intervals on each side of length 1, and an even number near 8 pi round the hole.
+    assert_eq!(rim("out.obj").len(), 4 * 20 + 26);
+    assert!(!desk.said(&mesh).contains("boundary   "));
+    assert_ne!(rim("out.obj"), rim("plate.obj"));
+    for (refused, message) in [
+        (["--keep-boundary=0"].as_slice(), "write exact"),
+        (&["--keep-boundary", "--symmetry=x"], "cannot be used with"),
+    ] {
+        let said = desk.refusal(2, &[&mesh[..], refused].concat());
+        assert!(said.contains(message), "{said}");
     }
 }
 

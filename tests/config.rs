@@ -220,6 +220,18 @@ fn faulty_files_are_refused_with_the_line() {
 }
 
 #[test]
+fn a_boundary_is_kept_by_a_file() {
+    let desk = Desk::new();
+    for line in ["keep-boundary = \"exact\"", "keep-boundary = 0.25"] {
+        desk.put("own.toml", line);
+        assert!(printed(&desk, &["--config", "own.toml"]).contains(&format!("{line}  # own.toml")), "{line}");
+    }
+    desk.put("own.toml", "keep-boundary = true");
+    let said = desk.refusal(2, &["mesh", "example:plate:500", "--config", "own.toml", "-o", "out.obj"]);
+    assert!(said.contains("own.toml, line 1: keep-boundary takes a number or a text in quotes"), "{said}");
+}
+
+#[test]
 fn a_batch_has_them_too() {
     let desk = Desk::new();
     desk.put("own.toml", "layout = \"even\"\npoints = 300\noutput = \"meshes\"\n");
@@ -277,6 +289,7 @@ fn options_without_effect_are_warned_of() {
         (&["--max-growth", "1.5"], "warning: the largest growth had no effect", &["--max-growth", "1.5", "--fit", "1"]),
         (&["--ignore-regions"], "warning: ignoring regions had no effect", &[]),
         (&["--keep-uv"], "warning: keeping seams had no effect", &[]),
+        (&["--keep-boundary"], "warning: keeping the boundary had no effect", &[]),
         (&["--adapter", "none"], "warning: --adapter had no effect with --backend cpu", &[]),
     ] {
         let said = warned(idle);

@@ -153,6 +153,7 @@ def mesh(
     layout: Optional[str] = None,
     size: Optional[float] = None,
     symmetry: Optional[str] = None,
+    keep_boundary: Union[bool, float] = False,
     refine_curvature: Optional[float] = None,
     around: Optional[int] = None,
     max_growth: Optional[float] = None,
@@ -190,7 +191,8 @@ def mesh(
     given. guides: a file, or a list of Guide. sizes: a file, or rows of x, y, z and the wanted edge length there. progress: called with
     the name of a stage and the share of it that is done; where it returns False, Cancelled is raised. regions: the region of each
     triangle, an index into region_names. attributes, corner_attributes: numbers of vertices and of the corners of triangles, as Surface
-    has them; the mesh gets them by linear interpolation. feature_edges: a file, or pairs of vertices.
+    has them; the mesh gets them by linear interpolation. feature_edges: a file, or pairs of vertices. keep_boundary: True keeps the
+    vertices of the boundary, a number points about so far apart on it.
 
     preset, layout: options that are set together; others override what they set. What contradicts a layout is refused.
 

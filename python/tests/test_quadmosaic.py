@@ -12,7 +12,7 @@ import time
 import warnings
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 import numpy as np
 import pytest
@@ -273,6 +273,7 @@ WRONG = {
     "points": 3,
     "size": -1.0,
     "symmetry": "w",
+    "keep_boundary": -1.0,
     "refine_curvature": 91.0,
     "around": 101,
     "max_growth": 1.0,
@@ -311,6 +312,22 @@ def test_a_symmetric_mesh_is_its_own_image() -> None:
 
     assert images(symmetry="z")
     assert not images()
+
+
+def test_the_boundary_is_kept_bit_for_bit() -> None:
+    plate = quadmosaic.example("plate", 1_000)
+    x, y = plate.vertices[:, 0], plate.vertices[:, 1]
+    is_rim = (np.abs(x) == 0.5) | (np.abs(y) == 0.5) | (np.abs(np.hypot(x, y) - 0.2) < 1e-12)
+    rim = {tuple(point) for point in plate.vertices[is_rim].tolist()}
+
+    def kept(keep_boundary: Union[bool, float]) -> set[tuple[float, ...]]:
+        result = quadmosaic.mesh(plate, points=400, backend="cpu", keep_boundary=keep_boundary)
+        return {tuple(point) for point in result.vertices[result.kind != 0].tolist()}
+
+    assert len(rim) > 30 and kept(True) == rim
+    assert kept(False) != rim
+    # 20 intervals on each side, and an even number near 8 pi round the hole.
+    assert len(kept(0.05)) == 4 * 20 + 26
 
 
 def test_options_are_those_of_the_library_and_keywords() -> None:

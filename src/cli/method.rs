@@ -10,6 +10,7 @@ use quadmosaic::mesh::connectivity::{self, ConnectivityOptions};
 use quadmosaic::mesh::fill;
 use quadmosaic::options::{self, degrees, distance, up_to};
 use quadmosaic::pipeline::{Contradiction, Layout, Options};
+use quadmosaic::surface::KeptBoundary;
 use quadmosaic::symmetry::Symmetry;
 
 #[derive(Args)]
@@ -29,6 +30,21 @@ pub struct MethodArguments {
     /// 0 or at OFFSET (y:0.5); or auto, which looks for the plane. The number of vertices is that of the whole mesh
     #[arg(long, value_name = "AXIS[:OFFSET]|auto", help_heading = "Symmetry")]
     symmetry: Option<Symmetry>,
+    /// Keep the vertices of the surface's open boundary, bit for bit
+    ///
+    /// Patches of one surface that are meshed apart then fit together. With SIZE, in model units, the vertices are points about so far
+    /// apart along the boundary, which depend on its curve alone; patches must then meet at corners of it. Without, or with `exact`, they
+    /// are those of the surface
+    #[arg(
+        long,
+        value_name = "SIZE|exact",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "exact",
+        conflicts_with = "symmetry",
+        help_heading = "Patches"
+    )]
+    keep_boundary: Option<KeptBoundary>,
     #[command(flatten)]
     directions: FieldArguments,
 
@@ -98,6 +114,7 @@ impl MethodArguments {
     pub fn options(&self) -> anyhow::Result<Options> {
         let rest = Options {
             symmetry: self.symmetry,
+            keep_boundary: self.keep_boundary,
             layout: self.layout.unwrap_or_default(),
             sizes: self.fineness.sizes()?,
             connect: ConnectOptions { max_distance: self.max_distance, max_angle: self.max_angle },

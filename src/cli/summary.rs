@@ -41,6 +41,9 @@ pub fn figures_of_run(report: &Report) -> Vec<(&'static str, String)> {
     if let Some(figures) = &report.symmetry {
         entries.insert(3, ("symmetry", symmetry(figures)));
     }
+    if let Some(boundary) = &report.boundary {
+        entries.insert(3, ("boundary", format!("{} kept", counted(boundary.edges, "edge"))));
+    }
     entries
 }
 

@@ -51,8 +51,9 @@ pub(crate) fn attributes(context: &Context, mesh: &SurfaceMesh, mosaic: &Mosaic)
         is_on_feature: matches!(known.kind, VertexKind::Boundary | VertexKind::Feature),
     };
     let places = context.surface.projected(&mesh.vertices().iter().zip(&known).map(projected).collect::<Vec<_>>());
-    for ((point, known), place) in known.iter_mut().zip(places.into_iter().flatten()) {
-        if let Some(place) = place.filter(|_| known.kind != VertexKind::Corner) {
+    let is_kept = mesh.vertices().iter().map(|vertex| vertex.is_kept);
+    for (((point, known), place), is_kept) in known.iter_mut().zip(places.into_iter().flatten()).zip(is_kept) {
+        if let Some(place) = place.filter(|_| known.kind != VertexKind::Corner && !is_kept) {
             *point = place;
         }
     }
@@ -68,6 +69,10 @@ fn attributes_of(context: &Context, vertex: &Vertex, mosaic: &Mosaic) -> ([f64; 
     };
     let triangle = near(vertex.triangles[0]);
     let (point, kind) = match (vertex.place, sample) {
+        (_, Some(FeaturePoint::Vertex(v))) if vertex.is_kept => {
+            let is_corner = surface.features().is_corner(v);
+            (surface.model_point(v), if is_corner { VertexKind::Corner } else { VertexKind::Boundary })
+        }
         (Place::OnCurve { curve, s }, _) => {
             let line = context.curve(curve);
             let s = line.wrapped(s);

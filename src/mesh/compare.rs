@@ -12,7 +12,7 @@
 //! edge of more than two faces is not listed as misoriented too, nor a degenerate quad as concave.
 
 use super::check::{Fault, Faults, Kind, check, check_joined, sort};
-use super::incidence::sides;
+use super::incidence::{sides, undirected};
 use super::orientation::Orientation;
 use super::quality::percentile;
 use super::topology::Connectivity;
@@ -21,7 +21,7 @@ use crate::surface::nearest::{Simplices, squared_distance};
 use crate::surface::{Frame, Surface, shown};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Serialize;
 use std::fmt;
 
@@ -123,6 +123,13 @@ pub enum Difference {
         /// The point.
         at: [f64; 3],
     },
+    /// Edges of a boundary that was to be kept are no boundary edges of the mesh.
+    KeptBoundary {
+        /// Their number.
+        missing: usize,
+        /// The middle of one of them, in model units.
+        at: [f64; 3],
+    },
 }
 
 impl Difference {
@@ -151,6 +158,10 @@ impl fmt::Display for Difference {
             }
             Self::Uncovered { distance, at } => {
                 write!(f, "the surface at {} is {distance:.1} edge lengths from the mesh", shown(&at))
+            }
+            Self::KeptBoundary { missing, at } => {
+                let (edges, are) = if missing == 1 { ("edge", "is") } else { ("edges", "are") };
+                write!(f, "{missing} {edges} of the boundary, which was to be kept, {are} missing, at {}", shown(&at))
             }
         }
     }
@@ -240,6 +251,23 @@ pub(crate) fn uncovered(mesh: &Mesh, surface: &Surface) -> Option<Difference> {
     let measured = far.par_iter().map(|&k| (distance(point(k)) / edge, k));
     let (distance, k) = measured.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
     Difference::uncovered(Farthest { distance, at: surface.frame().near(point(k).to_array()) })
+}
+
+/// The edges of a boundary that was to be kept which are no boundary edges of a mesh; `None` where all are. `vertices` has the mesh's
+/// vertices at the kept ones of the surface.
+pub(crate) fn missing_kept_edges(surface: &Surface, vertices: &FxHashMap<u32, u32>, mesh: &Mesh) -> Option<Difference> {
+    if !surface.keeps_boundary() {
+        return None;
+    }
+    let edges = mesh.edges();
+    let boundary: FxHashSet<[u32; 2]> = edges.iter().filter(|edge| edge.is_boundary()).map(|edge| edge.ends).collect();
+    let is_there = |ends: [u32; 2]| {
+        let [a, b] = ends.map(|v| vertices.get(&v));
+        a.zip(b).is_some_and(|(&a, &b)| boundary.contains(&undirected([a, b])))
+    };
+    let missing: Vec<[u32; 2]> = surface.kept_edges().filter(|&ends| !is_there(ends)).collect();
+    let [a, b] = missing.first()?.map(|v| DVec3::from(surface.model_point(v)));
+    Some(Difference::KeptBoundary { missing: missing.len(), at: ((a + b) / 2.0).into() })
 }
 
 /// The surface as a mesh, its sheets joined.
@@ -460,7 +488,7 @@ impl TestedMesh {
 mod tests {
     use super::*;
     use crate::surface::examples::Example;
-    use crate::surface::{FeatureOptions, Soup};
+    use crate::surface::{FeatureOptions, KeptBoundary, Soup};
 
     fn surface(soup: &Soup) -> Surface {
         Surface::new(soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"))
@@ -517,6 +545,29 @@ mod tests {
             (Difference::Euler { mesh: -1, surface: 0 }, Difference::BoundaryLoops { mesh: 1, surface: 0 });
         assert_eq!(all_differences(&holed, &torus), [euler, loops]);
         assert_eq!(differences_of(&as_mesh(&torus), &sphere), [Difference::Euler { mesh: 0, surface: 2 }]);
+    }
+
+    #[test]
+    fn an_edge_of_a_kept_boundary_that_is_missing_is_told_with_its_place() {
+        let plain = surface(&square());
+        let mesh = as_mesh(&plain);
+        let all: FxHashMap<u32, u32> = (0..121).map(|v| (v, v)).collect();
+        let corner = without(&mesh, |_, middle| middle.x + middle.y < -0.6);
+        assert_eq!(missing_kept_edges(&plain, &all, &corner), None, "none was to be kept");
+        let kept = plain.with_kept_boundary(KeptBoundary::Exact, &FeatureOptions::default()).expect("a boundary");
+        assert_eq!(kept.kept_edges().count(), 40);
+        assert_eq!(missing_kept_edges(&kept, &all, &mesh), None);
+        assert_eq!(corner.face_count(), 198, "the cell at the corner goes");
+        let told = missing_kept_edges(&kept, &all, &corner);
+        assert!(
+            matches!(told, Some(Difference::KeptBoundary { missing: 2, at: [x, y, _] }) if x + y == 0.5),
+            "{told:?}"
+        );
+        // A vertex that the mesh lacks takes both its edges along.
+        let [lost, _] = kept.kept_edges().next().expect("an edge");
+        let rest = all.into_iter().filter(|&(v, _)| v != lost).collect();
+        let told = missing_kept_edges(&kept, &rest, &mesh);
+        assert!(matches!(told, Some(Difference::KeptBoundary { missing: 2, .. })), "{told:?}");
     }
 
     #[test]

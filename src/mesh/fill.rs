@@ -323,6 +323,7 @@ mod tests {
             normal: DVec3::Z,
             axis: DVec3::X,
             valence: 4,
+            is_kept: false,
             origin: v,
         };
         Triangulation {

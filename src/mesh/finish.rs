@@ -6,14 +6,14 @@
 
 use super::attributes::{VertexAttributes, attributes};
 use super::check::{Fault, Faults, Kind, check_joined, sort};
-use super::compare::{Difference, differences_from, uncovered};
+use super::compare::{Difference, differences_from, missing_kept_edges, uncovered};
 use super::join::{Joined, join};
 use super::objective::Context;
 use super::regions::with_regions;
 use super::surface_mesh::SurfaceMesh;
 use super::{Mesh, Triangulation};
 use crate::mosaic::{FeaturePoint, Mosaic};
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// A finished mesh, with its faults and its differences from the surface.
 #[derive(Clone, Debug, Default)]
@@ -59,13 +59,25 @@ pub(crate) fn finish(
     let (points, vertices) = all.map(|(_, known)| known).unzip();
     joined.points = points;
     let mut faults = if context.is_cancelled() { Faults::default() } else { check_joined(&joined, &branches) };
-    let differences = differences_from(faults.topology(), surface).into_iter().chain(uncovered).collect();
+    let missing = missing_kept_edges(surface, &kept_vertices(mesh, mosaic, &number), &joined);
+    let differences =
+        differences_from(faults.topology(), surface).into_iter().chain(uncovered).chain(missing).collect();
     faults.list.extend(inverted.map(|face| Fault {
         kind: Kind::FlippedFace { face },
         at: joined.middle(joined.face(face as usize)).to_array(),
     }));
     sort(&mut faults.list);
     Finished { mesh: joined, vertices, branches, faults, differences }
+}
+
+/// The joined vertices of a mesh at the kept vertices of its surface. `number` has the joined vertex of each one of the mesh.
+fn kept_vertices(mesh: &SurfaceMesh, mosaic: &Mosaic, number: &[u32]) -> FxHashMap<u32, u32> {
+    let kept = mesh.vertices().iter().zip(number).filter(|(vertex, _)| vertex.is_kept);
+    kept.filter_map(|(vertex, &number)| match mosaic.feature_samples.get(vertex.origin as usize)?.point {
+        FeaturePoint::Vertex(v) => Some((v, number)),
+        FeaturePoint::Edge(..) => None,
+    })
+    .collect()
 }
 
 /// A mesh each of whose vertices has a face, with its sheets joined, in model units, without regions.

@@ -109,6 +109,7 @@ mod tests {
             normal: DVec3::Z,
             axis,
             valence: 4,
+            is_kept: false,
             origin: v as u32,
         };
         let vertices: Vec<Vertex> = axes.iter().enumerate().map(vertex).collect();

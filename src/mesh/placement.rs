@@ -58,7 +58,16 @@ impl SurfaceMesh {
                 on_curves.entry(curve).or_default().push((s, v));
             }
             let axis = normal.any_orthonormal_vector();
-            vertices.push(Vertex { point, place, triangles, normal, axis, valence: REGULAR, origin: v });
+            vertices.push(Vertex {
+                point,
+                place,
+                triangles,
+                normal,
+                axis,
+                valence: REGULAR,
+                is_kept: false,
+                origin: v,
+            });
         }
         let is_whole = |face: &&[u32]| {
             let is_wrong = |k: usize| face[..k].contains(&face[k]) || face[k] as usize >= vertices.len();

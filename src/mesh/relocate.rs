@@ -397,7 +397,8 @@ fn colours(mesh: &SurfaceMesh) -> Vec<Vec<u32>> {
     let mut sets: Vec<Vec<u32>> = Vec::new();
     let mut taken = Vec::new();
     for v in 0..mesh.vertices().len() as u32 {
-        if mesh.around(v).is_empty() || mesh.vertex(v).place == Place::Corner {
+        let vertex = mesh.vertex(v);
+        if mesh.around(v).is_empty() || vertex.place == Place::Corner || vertex.is_kept {
             continue;
         }
         taken.clear();

@@ -72,7 +72,7 @@ pub(crate) fn triangulate_while(
     let free = builder.insert_free_tiles(surface, mosaic, &cones, goes_on)?;
     let mut is_tile = vec![false; builder.faces.leaving.len()];
     samples.iter().chain(&free).for_each(|&vertex| is_tile[vertex as usize] = true);
-    let extra = builder.remove_surface_vertices(&is_tile, goes_on)?;
+    let extra = builder.remove_surface_vertices(&is_tile, surface.keeps_boundary(), goes_on)?;
     let order: Vec<u32> = samples.iter().chain(&free).chain(&extra).copied().collect();
     let mut tiles: Vec<Tile> =
         mosaic.feature_samples.iter().map(|sample| mosaic.tiles[sample.first_side as usize]).collect();
@@ -103,12 +103,18 @@ pub(crate) fn triangulate_while(
             normal: tile.normal().as_dvec3(),
             axis: Vec3::from(tile.axis).as_dvec3(),
             valence: REGULAR,
+            is_kept: mosaic.feature_samples.get(v).is_some_and(|sample| is_kept(surface, sample.point)),
             origin: v as u32,
         }
     };
     let vertices = tiles.iter().enumerate().map(vertex).collect();
     let (feature_samples, extra) = (samples.len(), extra.len());
     Some(Triangulation { faces, tiles, sides, vertices, factors, feature_samples, extra, same_place })
+}
+
+/// Whether a sample is a vertex of a boundary that the mesh keeps.
+fn is_kept(surface: &Surface, point: FeaturePoint) -> bool {
+    matches!(point, FeaturePoint::Vertex(v) if surface.is_kept(v))
 }
 
 /// The locations of half-edges and vertices on the feature curves of a surface.
@@ -433,13 +439,20 @@ impl<'a> TriangulationBuilder<'a> {
         face
     }
 
-    /// Removes the vertices that are no tiles; returns those that the topology needs.
-    fn remove_surface_vertices(&mut self, is_tile: &[bool], goes_on: &dyn Fn() -> bool) -> Option<Vec<u32>> {
+    /// Removes the vertices that are no tiles; returns those that the topology needs. Those of a boundary that is kept go last, if need
+    /// be by flips of faces that lie as no convex quads.
+    fn remove_surface_vertices(
+        &mut self,
+        is_tile: &[bool],
+        keeps_boundary: bool,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Option<Vec<u32>> {
         let faces = &mut self.faces;
         let mut stack: Vec<u32> = (0..faces.origin.len() as u32).collect();
         faces.legalize(&mut stack, |_, _| true, |_, _, _, length| length);
         let mut waiting: Vec<u32> = (0..is_tile.len() as u32).filter(|&v| !is_tile[v as usize]).collect();
         let (mut ring, mut near) = (Vec::new(), Vec::new());
+        let mut is_forced = false;
         loop {
             let before = waiting.len();
             waiting.retain(|&v| {
@@ -448,7 +461,11 @@ impl<'a> TriangulationBuilder<'a> {
                 }
                 near.clear();
                 faces.visit_neighbours(v, |w| near.push(w));
-                if !faces.remove(v, &mut ring) {
+                let is_removed = match is_forced {
+                    true => faces.remove_from_boundary(v, &mut ring),
+                    false => faces.remove(v, &mut ring),
+                };
+                if !is_removed {
                     return true;
                 }
                 // The changed edges lie between the neighbours.
@@ -459,9 +476,11 @@ impl<'a> TriangulationBuilder<'a> {
                 faces.legalize(&mut stack, |_, _| true, |_, _, _, length| length);
                 false
             });
-            if waiting.is_empty() || waiting.len() == before {
+            let is_stuck = waiting.len() == before;
+            if waiting.is_empty() || is_stuck && (is_forced || !keeps_boundary) {
                 return goes_on().then_some(waiting);
             }
+            is_forced = is_stuck;
         }
     }
 }

@@ -38,6 +38,8 @@ pub struct Vertex {
     pub(crate) axis: DVec3,
     /// Its wanted valence, in faces: 4, and on features one for each right angle.
     pub valence: u8,
+    /// Whether it is a vertex of a boundary that the mesh keeps: it stays, and so do the boundary edges between two such vertices.
+    pub is_kept: bool,
     /// Its vertex in the triangulation; `u32::MAX` for a vertex that an edit has added.
     pub origin: u32,
 }

@@ -129,7 +129,8 @@ impl Laying<'_> {
             tiles = seed::seed(surface, field, h);
         }
         backend.check()?;
-        let curve_parameters = CurveParameters::new(surface, field, &parametrization);
+        let last_factor = if is_relaxed { finer as usize } else { 1 };
+        let curve_parameters = CurveParameters::new(surface, field, &parametrization, last_factor);
         let mosaic = Mosaic::new(surface, field, h, curve_parameters, tiles);
         backend.check()?;
         let is_cancelled = || backend.check().is_err();

@@ -10,7 +10,7 @@ use crate::field::Field;
 use crate::geometry::{cross, unit};
 use crate::parametrize::Parametrization;
 use crate::sizes::Sizes;
-use crate::surface::{Curve, Surface, next, previous};
+use crate::surface::{Curve, Surface, next, previous, shared_curves};
 use glam::Vec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -54,7 +54,20 @@ pub fn sample_features(
     let mut samples = Samples::default();
     samples.at_corners(surface, &curve_parameters.released_ends);
     let mut joined = FxHashSet::default();
-    for curve in surface.features().curves() {
+    let keeps_boundary = surface.keeps_boundary() && curve_parameters.factor == curve_parameters.last_factor;
+    let shared = if keeps_boundary { shared_curves(surface) } else { Vec::new() };
+    let is_kept =
+        |number: usize, curve: &Curve| keeps_boundary && !shared[number] && surface.twin(curve.half_edges[0]).is_none();
+    let curves = || surface.features().curves().iter().enumerate();
+    for (_, curve) in curves().filter(|&(number, curve)| is_kept(number, curve)) {
+        let path = CurvePath::new(surface, field, curve);
+        let parameters = path.kept(surface);
+        samples.along(surface, &path, h, &parameters, None);
+        if intervals(&parameters) == 1 {
+            joined.insert(path.ends(surface));
+        }
+    }
+    for (_, curve) in curves().filter(|&(number, curve)| !is_kept(number, curve)) {
         let path = CurvePath::new(surface, field, curve);
         let least = {
             // Few intervals must not make a loop of less than three edges, nor two edges between the same two corners.
@@ -132,6 +145,8 @@ pub struct CurveParameters {
     at_vertices: FxHashMap<[u32; 2], Vec<f64>>,
     /// What the parameters are multiplied by.
     factor: usize,
+    /// The factor on the last level, that of the mesh.
+    last_factor: usize,
     /// Ends of curves that hold no sample.
     pub(crate) released_ends: FxHashSet<u32>,
     /// The first and the last parameter of a sample, along curves with such ends.
@@ -139,8 +154,9 @@ pub struct CurveParameters {
 }
 
 impl CurveParameters {
-    /// Those of a parametrization: samples lie where its rows cross the features.
-    pub fn new(surface: &Surface, field: &Field, parametrization: &Parametrization) -> Self {
+    /// Those of a parametrization: samples lie where its rows cross the features. Tiles will have a side `last_factor` times
+    /// smaller.
+    pub fn new(surface: &Surface, field: &Field, parametrization: &Parametrization, last_factor: usize) -> Self {
         let (mut at_vertices, mut ranges) = (FxHashMap::default(), FxHashMap::default());
         let mut released_ends = FxHashSet::default();
         for curve in surface.features().curves() {
@@ -173,7 +189,7 @@ impl CurveParameters {
                 released_ends.extend(path.tips().into_iter().filter(|tip| parametrization.released_ends.contains(tip)));
             }
         }
-        Self { at_vertices, factor: 1, released_ends, ranges }
+        Self { at_vertices, factor: 1, last_factor, released_ends, ranges }
     }
 
     /// For tiles of a third of the side.
@@ -227,6 +243,29 @@ impl CurvePath {
         let last = parameters.len() - 1;
         parameters[last] = intervals as f64;
         parameters
+    }
+
+    /// Parameters that grow by 1 from one vertex of a kept boundary to the next.
+    fn kept(&self, surface: &Surface) -> Vec<f64> {
+        let mut arcs = vec![0.0];
+        self.lengths.iter().for_each(|length| arcs.push(arcs[arcs.len() - 1] + length));
+        // The last vertex of a loop is the first one again.
+        let places = (0..arcs.len() - usize::from(self.closed)).filter(|&i| surface.is_kept(self.vertices[i]));
+        let mut kept: Vec<f64> = places.map(|i| arcs[i]).collect();
+        let whole = arcs[arcs.len() - 1];
+        // Of a loop, the vertices before the first and after the last, too.
+        if self.closed
+            && let [first, .., last] = kept[..]
+        {
+            kept.insert(0, last - whole);
+            kept.push(first + whole);
+        }
+        let parameter = |&arc: &f64| {
+            let next = kept.partition_point(|&other| other <= arc).clamp(1, kept.len() - 1);
+            let [from, to] = [kept[next - 1], kept[next]];
+            (next - 1) as f64 + (arc - from) / (to - from)
+        };
+        arcs.iter().map(parameter).collect()
     }
 
     fn tips(&self) -> [u32; 2] {

@@ -14,7 +14,7 @@ use crate::mesh::fill::Holes;
 use crate::parametrize::Rows;
 use crate::pipeline::{Fineness, Layout, Options, POINTS};
 use crate::sizes::{LocalSize, NoLocalSize};
-use crate::surface::{Length, LengthError};
+use crate::surface::{KeptBoundary, Length, LengthError, NoKeptBoundary};
 use crate::symmetry::{NoSymmetry, Symmetry};
 use std::ops::RangeInclusive;
 use thiserror::Error;
@@ -35,6 +35,9 @@ pub enum ValueError {
     /// No symmetry.
     #[error(transparent)]
     Symmetry(#[from] NoSymmetry),
+    /// No boundary that is kept.
+    #[error(transparent)]
+    KeptBoundary(#[from] NoKeptBoundary),
     /// No angle.
     #[error("the angle is a number from 1 to {most}, in degrees")]
     Angle {
@@ -100,12 +103,13 @@ pub enum OptionError {
 }
 
 /// The names of the options that [`Options::set`] knows.
-pub const NAMES: [&str; 31] = [
+pub const NAMES: [&str; 32] = [
     "preset",
     "layout",
     "points",
     "size",
     "symmetry",
+    "keep_boundary",
     "refine_curvature",
     "around",
     "max_growth",
@@ -157,6 +161,13 @@ impl Options {
             "points" => self.fineness = Fineness::Points(points(value)?),
             "size" => self.fineness = Fineness::Size(positive(value)?),
             "symmetry" => self.symmetry = Some(value.parse::<Symmetry>()?),
+            "keep_boundary" => {
+                self.keep_boundary = match value {
+                    "true" => Some(KeptBoundary::Exact),
+                    "false" => None,
+                    _ => Some(value.parse::<KeptBoundary>()?),
+                }
+            }
             "refine_curvature" => self.sizes.curvature = Some(degrees::<90>(value)?),
             "around" => self.sizes.around = up_to::<100>(value)? as f64,
             "max_growth" => self.sizes.growth = growth(value)?,
@@ -338,8 +349,8 @@ mod tests {
             assert_ne!(format!("{options:?}"), default, "{name} has an effect");
             for refused in ["", "-1", "1e9"] {
                 let said = set(name, refused).err().map(|error| error.to_string()).unwrap_or_default();
-                let is_length = refused == "1e9"
-                    && ["size", "min_size", "max_size", "weld", "drop_parts", "fill_holes"].contains(&name);
+                let lengths = ["size", "min_size", "max_size", "keep_boundary", "weld", "drop_parts", "fill_holes"];
+                let is_length = refused == "1e9" && lengths.contains(&name);
                 assert!(
                     is_length || said.starts_with(&format!("invalid value '{refused}' for {name}: ")),
                     "{name}: {said}"

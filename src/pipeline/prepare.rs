@@ -5,7 +5,7 @@ use crate::field::StretchError;
 use crate::mosaic;
 use crate::progress::Progress;
 use crate::sizes::{Sizes, SizesError, Wanted};
-use crate::surface::{Soup, Surface};
+use crate::surface::{BoundaryError, Soup, Surface};
 
 /// The most rounds in which the surface is divided where sizes, known at vertices, are small.
 const SIZE_ROUNDS: usize = 4;
@@ -46,10 +46,17 @@ pub fn prepare(soup: &Soup, options: &Options) -> Result<(Surface, Sizes, usize)
 /// The surface of a soup, repaired, with the edges that are named.
 pub(super) fn repaired(soup: &Soup, options: &Options, progress: &Progress) -> Result<Surface, PipelineError> {
     expect_stretchable(options)?;
+    if options.keep_boundary.is_some() && options.symmetry.is_some() {
+        return Err(BoundaryError::Symmetry.into());
+    }
     let side = approximate_side(soup, options);
     let surface = Surface::repaired_watched(soup, &options.features, &options.repairs, side, progress)?;
     progress.check()?;
-    Ok(surface.with_edges(soup, &options.edges, &options.features)?)
+    let surface = surface.with_edges(soup, &options.edges, &options.features)?;
+    match options.keep_boundary {
+        Some(kept) => Ok(surface.with_kept_boundary(kept, &options.features)?),
+        None => Ok(surface),
+    }
 }
 
 /// As [`prepare`], for a surface that is repaired.
@@ -95,7 +102,11 @@ impl<'a> Sizing<'a> {
         progress: &Progress,
     ) -> Result<Prepared<'a>, PipelineError> {
         let mut wanted = self.wanted;
-        let count = wanted.raised(&surface, self.count)?;
+        let count = match options.fineness {
+            // Other tiles keep their side.
+            Fineness::Size(_) if surface.keeps_boundary() => wanted.whole(&surface, self.count)?.round() as usize,
+            _ => wanted.raised(&surface, self.count)?,
+        };
         let mut sizes = wanted.sizes(&surface, count)?;
         for _ in 0..SIZE_ROUNDS {
             progress.check()?;

@@ -17,6 +17,8 @@ pub enum Ineffective {
     MaxGrowth,
     /// The borders of regions, not to be kept: there are none.
     IgnoreRegions,
+    /// The boundary, to be kept: there is none.
+    KeepBoundary,
 }
 
 impl Ineffective {
@@ -28,6 +30,7 @@ impl Ineffective {
             (Self::FitRange, options.fit_range != default.fit_range && options.fit == 0.0),
             (Self::MaxGrowth, options.sizes.growth != default.sizes.growth && is_equal),
             (Self::IgnoreRegions, !options.features.region_borders && surface.regions().names.is_empty()),
+            (Self::KeepBoundary, options.keep_boundary.is_some() && !surface.keeps_boundary()),
         ];
         found.into_iter().filter(|(_, is_so)| *is_so).map(|(option, _)| option).collect()
     }
@@ -39,6 +42,7 @@ impl fmt::Display for Ineffective {
             Self::FitRange => "the fit range had no effect, as sides do not fit the field; it goes with a fit, or a layout that has one",
             Self::MaxGrowth => "the largest growth had no effect, as all tiles have the same side; it goes with sizes, curvature and a fit",
             Self::IgnoreRegions => "ignoring regions had no effect, as the surface has none",
+            Self::KeepBoundary => "keeping the boundary had no effect, as the surface has none",
         })
     }
 }

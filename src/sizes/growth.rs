@@ -11,6 +11,8 @@ pub struct Growth<'a> {
     starts: Vec<u32>,
     /// The other end and the length.
     edges: Vec<(u32, f64)>,
+    /// The sides at the vertices of a boundary that the mesh keeps.
+    kept: Vec<(u32, f64)>,
 }
 
 impl<'a> Growth<'a> {
@@ -27,7 +29,25 @@ impl<'a> Growth<'a> {
         all.dedup_by_key(|[a, b, _]| [*a, *b]);
         let starts = (0..=surface.vertex_count() as u32).map(|v| all.partition_point(|edge| edge[0] < v) as u32);
         let edges = all.iter().map(|&[_, b, h]| (b, surface.length(h))).collect();
-        Self { surface, starts: starts.collect(), edges }
+        Self { surface, starts: starts.collect(), edges, kept: surface.kept_lengths() }
+    }
+
+    /// Makes sides those of the edges of the boundary that the mesh keeps, from which other sides differ by at most `slope` times
+    /// the way. Sides of the boundary that differ by more are lowered.
+    pub fn keep_boundary(&self, sides: &mut [f64], slope: f64) {
+        if self.kept.is_empty() {
+            return;
+        }
+        let mut wanted = vec![f64::INFINITY; sides.len()];
+        self.kept.iter().for_each(|&(v, side)| wanted[v as usize] = side);
+        self.limit(&mut wanted, slope);
+        sides.iter_mut().zip(&wanted).for_each(|(side, &most)| *side = side.min(most));
+        self.kept.iter().for_each(|&(v, _)| sides[v as usize] = wanted[v as usize]);
+        // To limit what sides lack to the largest one is to raise them.
+        let largest = sides.iter().copied().fold(0.0, f64::max);
+        let mut lacking: Vec<f64> = sides.iter().map(|side| largest - side).collect();
+        self.limit(&mut lacking, slope);
+        sides.iter_mut().zip(lacking).for_each(|(side, lacking)| *side = largest - lacking);
     }
 
     /// Lowers sides so that the difference along each edge is at most `slope` times its length.

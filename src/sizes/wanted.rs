@@ -208,16 +208,16 @@ impl Wanted<'_> {
     /// # Errors
     /// Where samples give no positive size that an `f32` holds.
     pub fn sizes(&self, surface: &Surface, count: usize) -> Result<Sizes, SizesError> {
-        if self.options.samples.is_empty() && self.turns.is_none() && self.is_any() {
+        if self.options.samples.is_empty() && self.turns.is_none() && self.is_any(surface) {
             return Ok(Sizes::equal());
         }
         Ok(self.fitted(surface, count)?.0)
     }
 
     /// Whether nothing bounds the sides but samples and curvature.
-    fn is_any(&self) -> bool {
+    fn is_any(&self, surface: &Surface) -> bool {
         let SizeOptions { least, largest, .. } = self.options;
-        let is_bounded = least.is_some() || largest.is_some() || !self.places.is_empty();
+        let is_bounded = least.is_some() || largest.is_some() || !self.places.is_empty() || surface.keeps_boundary();
         self.girths.is_none() && self.limits.is_none() && !is_bounded
     }
 
@@ -273,15 +273,22 @@ impl Wanted<'_> {
     /// # Errors
     /// As [`Wanted::sizes`].
     pub fn raised(&self, surface: &Surface, count: usize) -> Result<usize, SizesError> {
-        if self.is_any() && (self.turns.is_none() || self.scale.is_none()) {
+        if self.is_any(surface) && (self.turns.is_none() || self.scale.is_none()) {
             return Ok(count);
         }
-        let growth = Growth::new(surface);
-        let scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
-        let whole = relative(surface, &self.sides(&growth, scale), scale)?.count_for_side(surface, scale);
+        let whole = self.whole(surface, count)?;
         let is_few = self.limits.is_some() && count <= FEW;
         let share = if is_few || self.scale.is_some() || self.options.largest.is_some() { 0.0 } else { THIN_SHARE };
         Ok(if whole > (1.0 + share) * count as f64 { whole as usize } else { count })
+    }
+
+    /// The number of tiles where those that nothing makes smaller or larger have the side of `count` tiles alone.
+    ///
+    /// # Errors
+    /// As [`Wanted::sizes`].
+    pub fn whole(&self, surface: &Surface, count: usize) -> Result<f64, SizesError> {
+        let scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
+        Ok(relative(surface, &self.sides(&Growth::new(surface), scale), scale)?.count_for_side(surface, scale))
     }
 
     fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
@@ -331,6 +338,7 @@ impl Wanted<'_> {
         if let Some(least) = least {
             sides.iter_mut().for_each(|side| *side = side.max(least / self.unit));
         }
+        growth.keep_boundary(&mut sides, self.options.growth - 1.0);
         sides
     }
 }

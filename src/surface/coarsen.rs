@@ -164,7 +164,8 @@ impl Coarsening {
         let is_shared = surface.shared_places();
         let mut is_fixed = is_shared.clone();
         for v in 0..surface.vertex_count() as u32 {
-            is_fixed[v as usize] |= ![0, 2].contains(&degrees[v as usize]) || surface.features.is_corner(v);
+            is_fixed[v as usize] |=
+                ![0, 2].contains(&degrees[v as usize]) || surface.features.is_corner(v) || surface.is_kept(v);
         }
         let mut planes = vec![Quadric::default(); surface.vertex_count()];
         for (t, triangle) in surface.triangles.iter().enumerate() {
@@ -455,6 +456,7 @@ impl Coarsening {
         surface.points = left.iter().map(|&v| surface.points[v as usize]).collect();
         // Vertices that share their place stay.
         surface.same_place = left.iter().map(|&v| vertex[surface.same_place[v as usize] as usize]).collect();
+        surface.kept = surface.kept.iter().map(|&v| vertex[v as usize]).collect();
         surface.regions = surface.regions.of(&sources);
         surface.given = Given { points: left.iter().map(|&v| surface.given.points[v as usize]).collect() };
         surface.features.apexes = surface.features.apexes.iter().map(|&v| vertex[v as usize]).collect();

@@ -62,6 +62,9 @@ pub enum Reason {
     Double,
 }
 
+/// A crease that ends on a kept boundary between two kept vertices ends so far from it, in tile sides.
+const TRIMMED: f64 = 0.7;
+
 /// The features of a surface.
 #[derive(Clone, Debug, Default)]
 pub struct Features {
@@ -83,6 +86,8 @@ impl Features {
     /// Chains the marked half-edges into curves that turn by at most `corner` degrees between corners. A turn that a curve takes
     /// back within `reach`, unit-sized, is no corner.
     pub(super) fn along(surface: &Surface, marked: Vec<bool>, corner: f64, reach: f64) -> Self {
+        let passed = if reach > 0.0 { surface.passed_vertices() } else { Vec::new() };
+        let marked = trimmed(surface, marked, &passed, TRIMMED * reach);
         let edges = Incidence::new(surface, &marked);
         let apexes = surface.features.apexes.clone();
         let cos_corner = corner.to_radians().cos();
@@ -97,6 +102,7 @@ impl Features {
         };
         let mut is_corner: Vec<bool> = (0..surface.vertex_count() as u32).into_par_iter().map(is_corner).collect();
         share_corners(surface, &edges, &mut is_corner);
+        passed.iter().for_each(|&v| is_corner[v as usize] = false);
         let curves = chain(surface, &edges, &is_corner);
         Self { marked, curves, is_corner, reach, apexes }
     }
@@ -137,6 +143,29 @@ fn mark(surface: &Surface, crease: f64) -> Vec<bool> {
         })
         .collect();
     surface.named.iter().for_each(|&h| marked[h as usize] = true);
+    marked
+}
+
+/// Unmarks the creases that end on vertices of the boundary that the mesh passes by, over a length from there.
+fn trimmed(surface: &Surface, mut marked: Vec<bool>, passed: &[u32], length: f64) -> Vec<bool> {
+    if passed.is_empty() {
+        return marked;
+    }
+    let edges = Incidence::new(surface, &marked);
+    for &start in passed {
+        for &first in edges.at(start).iter().filter(|&&h| surface.twin(h).is_some()) {
+            let (mut at, mut edge, mut left) = (start, first, length);
+            loop {
+                [Some(edge), surface.twin(edge)].into_iter().flatten().for_each(|h| marked[h as usize] = false);
+                at = other_end(surface, edge, at);
+                left -= surface.length(edge);
+                match *edges.at(at) {
+                    [a, b] if left > 0.0 => edge = if a == edge { b } else { a },
+                    _ => break,
+                }
+            }
+        }
+    }
     marked
 }
 
@@ -230,14 +259,29 @@ pub(super) fn is_sharp(
     cos_corner: f64,
 ) -> bool {
     let place = |v: u32| surface.points[v as usize].as_dvec3();
-    let here = place(vertex);
-    let [(a, p), (b, q)] = ways.map(|way| {
-        let mut way = way.map(place).peekable();
-        let first = way.peek().copied().unwrap_or(here);
-        (first, at_arc(here, way, reach))
-    });
+    let [before, after] = ways.map(|way| way.map(place));
+    turns_sharply(place(vertex), before, after, reach, cos_corner)
+}
+
+/// As [`is_sharp`], of the points along a polyline in both directions.
+pub(super) fn turns_sharply(
+    here: DVec3,
+    before: impl Iterator<Item = DVec3>,
+    after: impl Iterator<Item = DVec3>,
+    reach: f64,
+    cos_corner: f64,
+) -> bool {
+    let (a, p) = first_and_at_arc(here, before, reach);
+    let (b, q) = first_and_at_arc(here, after, reach);
     let turns = |p: DVec3, q: DVec3| (here - p).normalize_or_zero().dot((q - here).normalize_or_zero()) < cos_corner;
     turns(a, b) && turns(p, q)
+}
+
+/// The first point of a polyline, and the one at an arc length from its start.
+fn first_and_at_arc(start: DVec3, way: impl Iterator<Item = DVec3>, arc: f64) -> (DVec3, DVec3) {
+    let mut way = way.peekable();
+    let first = way.peek().copied().unwrap_or(start);
+    (first, at_arc(start, way, arc))
 }
 
 /// The point of a polyline at an arc length from its start, on its first side or beyond; its end where it is shorter.

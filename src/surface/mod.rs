@@ -8,6 +8,7 @@
 mod adjacency;
 mod apexes;
 pub(crate) mod attributes;
+mod boundary;
 mod boxes;
 mod bridges;
 mod caps;
@@ -49,6 +50,7 @@ mod walk;
 mod weld;
 
 pub use attributes::{Attribute, AttributeKind, Attributes};
+pub use boundary::{BoundaryError, KeptBoundary, NoKeptBoundary};
 pub use contacts::{Contacts, NearRims};
 pub use curve::Curve;
 pub(crate) use curve::shared_curves;
@@ -156,6 +158,8 @@ pub struct Surface {
     pub(crate) twins: Vec<u32>,
     /// The half-edges that are features whatever their angle, sorted: where sheets or solids meet, ridges.
     named: Vec<u32>,
+    /// The vertices of a boundary that the mesh keeps, sorted; none where it keeps none.
+    kept: Vec<u32>,
     /// The first of the vertices at the place of each vertex: there are several where sheets meet or fans touch.
     same_place: Vec<u32>,
     regions: Regions,
@@ -224,6 +228,7 @@ impl Surface {
             triangles,
             twins,
             named,
+            kept: Vec::new(),
             same_place,
             regions,
             features,

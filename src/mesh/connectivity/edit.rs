@@ -98,7 +98,7 @@ impl<'a> Edit<'a> {
 
     /// Adds a copy of a vertex, without faces.
     pub(crate) fn copy(&mut self, v: u32) -> u32 {
-        let vertex = Vertex { origin: u32::MAX, ..*self.vertex(v) };
+        let vertex = Vertex { origin: u32::MAX, is_kept: false, ..*self.vertex(v) };
         let like = self.original(v);
         self.add_vertex(vertex, like)
     }
@@ -305,7 +305,8 @@ impl<'a> Edit<'a> {
 
     /// Whether the edit keeps the mesh a manifold of the same topology. The faces at each touched vertex form one fan, of at
     /// least three faces round a free vertex; no two edges have the same ends, and no two faces the same vertices; no new
-    /// boundary appears; the Euler characteristic stays; and each vertex on a feature has a face, except those in `dropped`.
+    /// boundary appears; boundary edges that are kept stay; the Euler characteristic stays; and each vertex on a feature has a
+    /// face, except those in `dropped`.
     pub(crate) fn is_sound_without(&self, dropped: &[u32]) -> bool {
         let mut spokes: Vec<[u32; 2]> = Vec::new();
         self.touched().into_iter().all(|v| {
@@ -336,7 +337,28 @@ impl<'a> Edit<'a> {
             };
             let repeats = (1..corners.len()).any(|k| corners[..k].contains(&corners[k]));
             !repeats && corners.first().is_none_or(|&v| !self.around(v).any(|other| same(&other)))
-        }) && self.euler_about(&self.touched()) == Self::new(self.mesh).euler_about(&self.touched())
+        }) && self.kept_edges() == self.kept_edges_before()
+            && self.euler_about(&self.touched()) == Self::new(self.mesh).euler_about(&self.touched())
+    }
+
+    /// The boundary edges between kept vertices in the changed faces, sorted.
+    fn kept_edges(&self) -> Vec<[u32; 2]> {
+        let faces = self.changed().map(|(_, corners)| corners);
+        self.kept_edges_of(faces)
+    }
+
+    /// The boundary edges between kept vertices in the faces that change, before the edit, sorted.
+    fn kept_edges_before(&self) -> Vec<[u32; 2]> {
+        let faces = self.changed().map(|(face, _)| self.before(face));
+        Self::new(self.mesh).kept_edges_of(faces)
+    }
+
+    fn kept_edges_of<'f>(&self, faces: impl Iterator<Item = &'f [u32]>) -> Vec<[u32; 2]> {
+        let is_kept =
+            |&[a, b]: &[u32; 2]| self.vertex(a).is_kept && self.vertex(b).is_kept && self.left(b, a).is_none();
+        let mut edges: Vec<[u32; 2]> = faces.flat_map(sides).filter(is_kept).collect();
+        edges.sort_unstable();
+        edges
     }
 
     /// The Euler characteristic of the faces at some vertices.

@@ -44,6 +44,9 @@ pub(crate) fn third_side(a: f64, b: f64, angle: f64) -> f64 {
     (a * a + b * b - 2.0 * a * b * angle.cos()).max(0.0).sqrt()
 }
 
+/// The shortest new edge, as a share of the edge that is flipped.
+const SHORTEST: f64 = 1e-12;
+
 /// Two triangles on either side of an edge, laid in the plane: `a` at the origin, `b` at `(ab, 0)`, `c` above, `d` below.
 struct Layout {
     ab: f64,
@@ -186,30 +189,47 @@ impl Intrinsic {
 
     /// Whether a half-edge may be flipped: it has two faces that lie as a convex quad, and the new edge would be new.
     fn can_flip(&self, h: u32) -> bool {
-        let t = self.twin[h as usize];
-        if t == NONE || self.is_feature(h) {
+        if self.twin[h as usize] == NONE || self.is_feature(h) {
             return false;
         }
         let Layout { ab, c, d } = self.layout(h);
         let height = c[1] - d[1];
-        if height <= 1e-12 * ab {
+        if height <= SHORTEST * ab {
             return false;
         }
         let crossing = d[0] + (c[0] - d[0]) * (-d[1] / height);
         let margin = 1e-9 * ab;
-        crossing > margin
-            && crossing < ab - margin
-            && self.origin[previous(h) as usize] != self.origin[previous(t) as usize]
-            && !self.joined(self.origin[previous(h) as usize], self.origin[previous(t) as usize])
+        crossing > margin && crossing < ab - margin && self.is_other_diagonal_new(h)
+    }
+
+    /// Whether the vertices opposite an edge are two that no edge joins.
+    fn is_other_diagonal_new(&self, h: u32) -> bool {
+        let [c, d] = [h, self.twin[h as usize]].map(|e| self.origin[previous(e) as usize]);
+        c != d && !self.joined(c, d)
     }
 
     /// Turns the edge of `h` to the other diagonal of its two faces, where that is possible.
     pub fn flip(&mut self, h: u32) -> bool {
-        if !self.can_flip(h) {
-            return false;
+        let is_possible = self.can_flip(h);
+        if is_possible {
+            self.turn(h);
         }
-        let Layout { c, d, .. } = self.layout(h);
-        let length = (c[0] - d[0]).hypot(c[1] - d[1]);
+        is_possible
+    }
+
+    /// As [`Self::flip`], also where the two faces lie as no convex quad. The new edge is as long as the quad's other diagonal, which
+    /// lies outside it then.
+    pub fn flip_any(&mut self, h: u32) -> bool {
+        let is_possible = self.twin[h as usize] != NONE && !self.is_feature(h) && self.is_other_diagonal_new(h);
+        if is_possible {
+            self.turn(h);
+        }
+        is_possible
+    }
+
+    fn turn(&mut self, h: u32) {
+        let Layout { ab, c, d } = self.layout(h);
+        let length = (c[0] - d[0]).hypot(c[1] - d[1]).max(SHORTEST * ab);
         let t = self.twin[h as usize];
         // Faces (a, b, c) with h = ab, and (b, a, d) with t = ba, become (a, d, c) and (d, b, c).
         let (bc, ca, ad, db) = (next(h), previous(h), next(t), previous(t));
@@ -255,7 +275,6 @@ impl Intrinsic {
         for (vertex, e) in [(a, f), (vd, g), (b, g + 1), (vc, f + 2)] {
             self.leaving[vertex as usize] = e;
         }
-        true
     }
 
     /// Whether the edge of `h` meets Delaunay's condition: its two opposite angles sum to at most pi.

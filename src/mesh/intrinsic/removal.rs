@@ -45,6 +45,32 @@ impl Intrinsic {
         })
     }
 
+    /// As [`Self::remove`], for a vertex of the boundary that must go: faces that lie as no convex quad are flipped too.
+    ///
+    /// Round a vertex whose neighbourhood is a disc, this always succeeds where the boundary has more than three vertices. An edge
+    /// across two spokes makes the flip of the spoke between them impossible. Two such edges would cross, so of three spokes or more one
+    /// can be flipped. Of two, the edge across joins the vertex's neighbours on the boundary. It is flipped itself: no edge joins what
+    /// it encloses with the rest.
+    pub fn remove_from_boundary(&mut self, vertex: u32, ring: &mut Vec<u32>) -> bool {
+        loop {
+            if self.remove(vertex, ring) {
+                return true;
+            }
+            if self.ring(vertex, ring) {
+                return false;
+            }
+            if ring[1..].iter().any(|&h| self.flip_any(h)) {
+                continue;
+            }
+            let [after, before] = [self.target(ring[0]), self.origin[previous(ring[ring.len() - 1]) as usize]];
+            self.ring(after, ring);
+            let across = ring.iter().copied().find(|&h| self.target(h) == before);
+            if !across.is_some_and(|h| self.flip_any(h)) {
+                return false;
+            }
+        }
+    }
+
     fn fan(&self, h: u32, ring: &[u32], closed: bool) -> Fan {
         let start = ring.iter().position(|&e| e == h).unwrap_or(0);
         let spokes: Vec<u32> = (0..ring.len()).map(|i| ring[(start + i) % ring.len()]).collect();
@@ -260,7 +286,7 @@ impl Intrinsic {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{against_plane, area, euler, faults, patch};
+    use super::super::tests::{against_plane, area, euler, faults, patch, plane};
     use super::*;
 
     /// A closed surface of unit edges: connectivity alone matters here.
@@ -334,6 +360,42 @@ mod tests {
         assert!(faces.remove(0, &mut ring));
         assert_eq!(euler(&faces), 1);
         assert!((area(&faces) - 16.0).abs() > 0.1);
+    }
+
+    /// Faces at the boundary edge `0 1`, whose middle is vertex 2. The inner vertices are 3, at a given point, and 4.
+    fn pocket(at: [f64; 2]) -> Intrinsic {
+        // The edge 1-4 is across the spoke from 2 to 3.
+        let points = [[-1.0, 0.0], [1.0, 0.0], [0.0, 0.0], at, [0.0, 1.0], [0.0, 2.0]];
+        let triangles = [[2, 1, 3], [2, 3, 4], [2, 4, 0], [3, 1, 4], [1, 5, 4], [5, 0, 4]];
+        plane(&points, &triangles)
+    }
+
+    #[test]
+    fn a_vertex_of_the_boundary_goes_where_faces_have_no_area() {
+        let mut ring = Vec::new();
+        // A vertex on the edge 2-1: no flip at 2 is convex, and the edge 1-4 forbids each collapse that is tried.
+        let mut faces = pocket([0.5, 0.0]);
+        assert!(!faces.remove(2, &mut ring));
+        assert!(faces.remove_from_boundary(2, &mut ring));
+        assert!(faces.joined(0, 1) && euler(&faces) == 1);
+        let broken: Vec<String> = faults(&faces).into_iter().filter(|fault| fault.contains("half-edge")).collect();
+        assert_eq!(broken, none());
+        // The partner: farther in, flips do.
+        assert!(pocket([0.5, 0.3]).remove(2, &mut ring));
+    }
+
+    #[test]
+    fn a_vertex_of_the_boundary_goes_from_behind_an_edge_across() {
+        // The edge 0-1 encloses vertices 2, on the boundary, and 3.
+        let points = [[-1.0, 0.0], [1.0, 0.0], [0.0, -0.5], [0.0, -0.2], [0.0, 1.0]];
+        let mut faces = plane(&points, &[[2, 1, 3], [2, 3, 0], [3, 1, 0], [0, 1, 4]]);
+        let mut ring = Vec::new();
+        assert!(!faces.remove(2, &mut ring));
+        assert!(faces.remove_from_boundary(2, &mut ring));
+        assert!(faces.joined(3, 4) && faces.joined(0, 1) && euler(&faces) == 1);
+        // A boundary of three vertices keeps them.
+        let mut least = plane(&points[..4], &[[2, 1, 3], [2, 3, 0], [3, 1, 0]]);
+        assert!(!least.remove_from_boundary(2, &mut ring));
     }
 
     #[test]

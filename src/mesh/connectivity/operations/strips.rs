@@ -354,6 +354,7 @@ fn split(engine: &Engine, edit: &mut Edit, [a, b]: [u32; 2]) -> u32 {
         triangles: [half_edge / 3, surface.twin(half_edge).unwrap_or(half_edge) / 3],
         normal: (edit.vertex(a).normal + edit.vertex(b).normal).normalize_or_zero(),
         valence: if faces.contains(&None) { 2 } else { 4 },
+        is_kept: false,
         origin: NONE,
         ..*edit.vertex(a)
     };
@@ -388,15 +389,18 @@ fn add_free(engine: &Engine, edit: &mut Edit, point: DVec3, near: &[u32]) -> u32
         triangles: position.triangles,
         normal: surface.normal(position.triangles[0] as usize).as_dvec3(),
         valence: 4,
+        is_kept: false,
         origin: NONE,
         ..*edit.vertex(like)
     };
     edit.add_vertex(vertex, like)
 }
 
-/// Whether a boundary edge may be split: not on a curve that other sheets share, as they would need the vertex too.
+/// Whether a boundary edge may be split: not one that is kept, nor on a curve that other sheets share, as they would need the vertex
+/// too.
 fn may_split(engine: &Engine, side: [u32; 2]) -> bool {
-    engine.mesh.curve(side).is_some_and(|curve| !engine.context.is_shared(curve))
+    let is_kept = side.iter().all(|&v| engine.mesh.vertex(v).is_kept);
+    !is_kept && engine.mesh.curve(side).is_some_and(|curve| !engine.context.is_shared(curve))
 }
 
 /// The numbers of new vertices on features inside the surface and on its boundary.
