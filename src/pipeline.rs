@@ -303,9 +303,10 @@ const UNTANGLING_ROUNDS: usize = 3;
 const REPEATS: usize = 5;
 /// A mesh that misses the wanted count by a larger share is made again.
 const COUNT_TOLERANCE: f64 = 0.02;
-/// A mesh of more vertices than [`LARGE`] that still has more than two thirds of the faults, and more than so many, is not made
-/// again: it takes long.
+/// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where it still has more than two thirds of the faults,
+/// and more than so many, or is no better for so many times.
 const MANY: usize = 10;
+const MOST_FUTILE: usize = 2;
 const LARGE: usize = 3_000;
 /// The most times of the asked count, or of [`FEW`] where that is more, to which this raises it.
 const MOST_RAISED: usize = 12;
@@ -345,10 +346,11 @@ fn improve(
     let (mut places, mut miss) = (best.meshed.faulty_places(), best.miss(options));
     // The surface of the latest mesh, where that is not the best one.
     let mut latest = None;
+    let mut futile = 0;
     for _ in 0..REPEATS {
-        // One correction is enough, or does not help.
-        let is_off = sizing.aim == 1.0 && miss.abs() > COUNT_TOLERANCE;
-        if places.is_empty() && !is_off {
+        let is_off = miss.abs() > COUNT_TOLERANCE;
+        // For the count alone one correction is enough, or does not help.
+        if places.is_empty() && !(is_off && sizing.aim == 1.0) {
             break;
         }
         let mut clock = Clock::new(progress);
@@ -367,16 +369,16 @@ fn improve(
         let (corrected, next) = attempt(prepared, options, backend, clock)?;
         let times = zip(&best.times, &next.times).map(|(spent, more)| (spent.0, spent.1 + more.1)).collect();
         let (before, after) = (best.meshed.wrong(), next.meshed.wrong());
-        let is_futile = next.meshed.mesh.points.len() > LARGE && after > MANY.max(2 * before / 3);
+        let is_large = next.meshed.mesh.points.len() > LARGE;
         (sizing, places, miss) = (corrected, next.meshed.faulty_places(), next.miss(options));
         let rank = |wrong: usize, miss: f64| (wrong, miss.abs().max(COUNT_TOLERANCE));
         if rank(after, miss) < rank(before, best.miss(options)) {
-            best = next;
+            (best, futile) = (next, 0);
         } else {
-            latest = Some(next.surface);
+            (latest, futile) = (Some(next.surface), futile + 1);
         }
         best.times = times;
-        if is_futile {
+        if is_large && (futile == MOST_FUTILE || after > MANY.max(2 * before / 3)) {
             break;
         }
     }
