@@ -361,11 +361,13 @@ def test_layouts_and_presets_are_overridden() -> None:
     light = quadmosaic.mesh(CORNERS, CUBE, 200, preset="retopo", backend="cpu")
     assert light.report["asked"] == {"points": 200}
     assert quadmosaic.mesh(CORNERS, CUBE, preset="retopo", backend="cpu").report["asked"] == {"points": 1500}
-    for options in [{"quads": "paper"}, {"no_cleanup": True}]:
+    contradictions: list[tuple[str, dict[str, Any]]] = [
+        ("--quads=paper", {"quads": "paper"}),
+        ("--no-cleanup", {"no_cleanup": True}),
+    ]
+    for argument, options in contradictions:
         with pytest.raises(ValueError, match="^the layout quads ") as caught:
-            mesh(CORNERS, CUBE, layout="quads", **options)  # type: ignore[arg-type]
-        name, value = [(name.replace("_", "-"), value) for name, value in options.items()][0]
-        argument = f"--{name}" if value is True else f"--{name}={value}"
+            mesh(CORNERS, CUBE, layout="quads", **options)
         said = command("mesh", "example:block", "-o", "none.obj", "--layout", "quads", argument).stderr
         assert str(caught.value) in " ".join(said.split()), said
     with pytest.raises(ValueError, match="invalid value 'odd' for layout: write one of mosaic, even, quads"):
