@@ -228,9 +228,9 @@ fn a_round_hole_has_about_so_many_edges() {
     for (around, size) in [(24, 0.1), (40, 0.05)] {
         let sizes = SizeOptions { around_holes: around, ..SizeOptions::default() };
         let mesh = meshed(&soup, &Options { sizes, ..Options::new(Fineness::Size(size)) }, &Cpu);
-        // Rows that spread towards the hole are a few less.
+        // Rows that spread towards the hole are up to a fifth less, as the README says.
         let found = lengths(&mesh, on_rim).len();
-        assert!((around * 9 / 10..=around).contains(&found), "{found} for {around}");
+        assert!((around * 4 / 5..=around).contains(&found), "{found} for {around}");
     }
     let plain = meshed(&soup, &Options::new(Fineness::Size(0.1)), &Cpu);
     assert!(lengths(&plain, on_rim).len() < 20);

@@ -3,8 +3,8 @@
 //! # Theory
 //! A face is inverted where its normal points against the sheet that it lies on: the triangle of the surface nearest to its
 //! middle. Several triangles can be equally near, beside an edge: none of them may oppose the face. A wall perpendicular to the
-//! face does not count, nor do two sheets that lie on each other, at one place. No search is needed where the sheets at all corners are known and
-//! agree, which is the usual case.
+//! face does not count, nor do two sheets that lie on each other, at one place. No search is needed where the sheets at all corners are
+//! known and agree, which is the usual case.
 //!
 //! # Practice
 //! Give the triangles at the corners where they are known: this is faster, and it decides on parts thinner than a face, where

@@ -139,6 +139,7 @@ pub const NAMES: [&str; 32] = [
 ];
 
 const LAYOUTS: &[&str; 3] = &[Layout::Mosaic.name(), Layout::Even.name(), Layout::Quads.name()];
+const QUADS: &[&str; 3] = &[Quads::Paper.name(), Quads::Most.name(), Quads::All.name()];
 const PRESETS: &[&str; 5] =
     &[Preset::Cfd.name(), Preset::Fem.name(), Preset::Scan.name(), Preset::Retopo.name(), Preset::Paper.name()];
 
@@ -195,7 +196,7 @@ impl Options {
                 self.holes = word(value, &["patterns", "triangles", "leave"], all)?;
             }
             "quads" => {
-                let quads = word(value, &["paper", "most", "all"], [Quads::Paper, Quads::Most, Quads::All])?;
+                let quads = word(value, QUADS, [Quads::Paper, Quads::Most, Quads::All])?;
                 self.connectivity = Some(ConnectivityOptions { quads, ..self.connectivity.unwrap_or_default() });
             }
             "no_cleanup" => self.connectivity = if flag(value)? { None } else { Some(Default::default()) },

@@ -102,11 +102,7 @@ impl<'a> Sizing<'a> {
         progress: &Progress,
     ) -> Result<Prepared<'a>, PipelineError> {
         let mut wanted = self.wanted;
-        let count = match options.fineness {
-            // Other tiles keep their side.
-            Fineness::Size(_) if surface.keeps_boundary() => wanted.whole(&surface, self.count)?.round() as usize,
-            _ => wanted.raised(&surface, self.count)?,
-        };
+        let count = wanted.raised(&surface, self.count)?;
         let mut sizes = wanted.sizes(&surface, count)?;
         for _ in 0..SIZE_ROUNDS {
             progress.check()?;

@@ -267,8 +267,8 @@ impl Wanted<'_> {
         Ok(Self { limits: Some(limits), ..self })
     }
 
-    /// The number of tiles that are laid where `count` are asked for: more where the side is kept, or most would lie on thin parts or
-    /// where they are limited.
+    /// The number of tiles that are laid where `count` are asked for: more where most would lie on thin parts or where they are
+    /// limited; where the scale is kept, the number that follows.
     ///
     /// # Errors
     /// As [`Wanted::sizes`].
@@ -276,19 +276,14 @@ impl Wanted<'_> {
         if self.is_any(surface) && (self.turns.is_none() || self.scale.is_none()) {
             return Ok(count);
         }
-        let whole = self.whole(surface, count)?;
-        let is_few = self.limits.is_some() && count <= FEW;
-        let share = if is_few || self.scale.is_some() || self.options.largest.is_some() { 0.0 } else { THIN_SHARE };
-        Ok(if whole > (1.0 + share) * count as f64 { whole as usize } else { count })
-    }
-
-    /// The number of tiles where those that nothing makes smaller or larger have the side of `count` tiles alone.
-    ///
-    /// # Errors
-    /// As [`Wanted::sizes`].
-    pub fn whole(&self, surface: &Surface, count: usize) -> Result<f64, SizesError> {
         let scale = f64::from(relative(surface, &self.samples, 1.0)?.side_for_count(surface, count));
-        Ok(relative(surface, &self.sides(&Growth::new(surface), scale), scale)?.count_for_side(surface, scale))
+        let whole = relative(surface, &self.sides(&Growth::new(surface), scale), scale)?.count_for_side(surface, scale);
+        if self.scale.is_some() {
+            return Ok(whole.round() as usize);
+        }
+        let is_few = self.limits.is_some() && count <= FEW;
+        let share = if is_few || self.options.largest.is_some() { 0.0 } else { THIN_SHARE };
+        Ok(if whole > (1.0 + share) * count as f64 { whole as usize } else { count })
     }
 
     fn count(&self, surface: &Surface) -> Result<f64, SizesError> {
