@@ -23,7 +23,7 @@ function order() {
   });
 }
 
-function showRun({ state, stage, share, message }) {
+function showRun({ state, stage, share = 0, message }) {
   const isRunning = state === "running";
   byId("mesh").disabled = isRunning;
   byId("cancel").disabled = !isRunning;
@@ -33,16 +33,14 @@ function showRun({ state, stage, share, message }) {
   byId("run").textContent = told[state];
 }
 
-// Shows the progress until the run ends, and then its mesh.
-async function follow() {
-  let status = await ask("status");
-  const isStarted = status.state === "running";
+// Shows the progress of a run until it ends, and then its mesh.
+async function follow(status) {
   while (status.state === "running") {
     showRun(status);
     await new Promise((resolve) => setTimeout(resolve, PAUSE));
     status = await ask("status");
   }
-  if (isStarted && status.state === "done") show(await ask("data"));
+  if (status.state === "done") show(await ask("data"));
   showRun(status);
 }
 
@@ -51,7 +49,7 @@ async function attempt(action) {
   try {
     await action();
   } catch (error) {
-    showRun({ state: "failed", share: 0, message: error.message });
+    showRun({ state: "failed", message: error.message });
   }
 }
 
@@ -63,14 +61,12 @@ function saveMesh() {
 }
 
 if (gl) {
-  byId("mesh").addEventListener("click", () => attempt(async () => {
-    await ask("run", order());
-    await follow();
-  }));
+  byId("mesh").addEventListener("click", () => attempt(async () => follow(await ask("run", order()))));
   byId("cancel").addEventListener("click", () => attempt(() => ask("cancel", "")));
   byId("save-mesh").addEventListener("click", saveMesh);
   attempt(async () => {
-    byId("points").value = (await ask("status")).points ?? "";
-    await follow();
+    const status = await ask("status");
+    byId("points").value = status.points ?? "";
+    if (status.state === "running") await follow(status);
   });
 }
