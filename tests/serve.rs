@@ -131,7 +131,10 @@ fn the_page_is_given_to_who_has_the_token_alone() {
     let page = server.get("");
     assert_eq!(page.status, 200);
     let html = text(&page.body);
-    assert!(html.contains("id=\"mesh\"") && html.contains("connect-src 'self'"), "it has the button, and asks its server");
+    assert!(
+        html.contains("id=\"mesh\"") && html.contains("connect-src 'self'"),
+        "it has the button, and asks its server"
+    );
     assert!(page.head.contains("Cache-Control: no-store"), "{}", page.head);
     assert_eq!(server.get("data").json()["name"], SURFACE);
     assert_eq!(server.get("other").status, 404);
@@ -263,7 +266,8 @@ fn what_is_wrong_is_told_as_the_command_line_tells_it() {
         let line = desk.refusal(1, &[&["mesh", SURFACE, "-o", "out.obj"], options].concat());
         line.trim_start_matches("error: ").to_owned()
     };
-    let guides = ["{\"strokes\": [{\"points\": [[0, 0, 0],", "0,0,0,1,0\n", "{\"strokes\": [{\"points\": [[0,0,0],[0,0,0]]}]}"];
+    let guides =
+        ["{\"strokes\": [{\"points\": [[0, 0, 0],", "0,0,0,1,0\n", "{\"strokes\": [{\"points\": [[0,0,0],[0,0,0]]}]}"];
     for guides in guides {
         desk.put("guides.json", guides);
         assert_eq!(refused(&json!({"guides": guides})), said(&["--guides", "guides.json"]));

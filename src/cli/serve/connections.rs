@@ -6,7 +6,7 @@ use std::io::{self, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::{self, JoinHandle};
+use std::thread;
 use std::time::{Duration, Instant};
 
 /// The most connections at the same time.
@@ -37,7 +37,6 @@ pub trait Site: Send + Sync + 'static {
 pub struct Server {
     address: SocketAddr,
     is_ended: Arc<AtomicBool>,
-    thread: JoinHandle<()>,
 }
 
 impl Server {
@@ -48,7 +47,7 @@ impl Server {
     pub fn start(listener: TcpListener, site: Arc<dyn Site>) -> io::Result<Self> {
         let (address, is_ended) = (listener.local_addr()?, Arc::new(AtomicBool::new(false)));
         let (open, ended) = (Arc::new(Open::default()), is_ended.clone());
-        let thread = thread::Builder::new().name("listener".to_owned()).spawn(move || {
+        thread::Builder::new().name("listener".to_owned()).spawn(move || {
             while !ended.load(Ordering::Acquire) {
                 match listener.accept() {
                     Ok((stream, _)) => open.take(stream, &site),
@@ -56,16 +55,14 @@ impl Server {
                 }
             }
         })?;
-        Ok(Self { address, is_ended, thread })
+        Ok(Self { address, is_ended })
     }
 
     /// Takes no more connections.
     pub fn end(self) {
         self.is_ended.store(true, Ordering::Release);
         // The listener waits for one.
-        if TcpStream::connect(self.address).is_ok() {
-            let _ = self.thread.join();
-        }
+        let _ = TcpStream::connect_timeout(&self.address, PAUSE);
     }
 }
 

@@ -104,10 +104,18 @@ mod tests {
         ] {
             assert_eq!(admitted(token, host, origin), let_in, "{host} {origin}");
         }
-        for host in ["evil.example", "127.0.0.1.evil.example:4000", "localhost:", "localhost:1:2", "127.0.0.2", "evil@localhost"] {
+        for host in [
+            "evil.example",
+            "127.0.0.1.evil.example:4000",
+            "localhost:",
+            "localhost:1:2",
+            "127.0.0.2",
+            "evil@localhost",
+        ] {
             assert_eq!(admitted(token, host, ""), Err(Refusal::Host), "{host}");
         }
-        for origin in ["http://evil.example", "null", "http://localhost:2", "https://localhost:1", "http://127.0.0.1:1"] {
+        for origin in ["http://evil.example", "null", "http://localhost:2", "https://localhost:1", "http://127.0.0.1:1"]
+        {
             assert_eq!(admitted(token, "localhost:1", origin), Err(Refusal::Origin), "{origin}");
         }
         let changed = format!("{}{}", &token[1..], if token.ends_with('0') { '1' } else { '0' });

@@ -271,7 +271,8 @@ impl Response {
     pub fn write(&self, stream: &mut impl Write) -> io::Result<()> {
         let Self { status: Status(number, name), kind, file, body } = self;
         let body = (**body).as_ref();
-        let mut head = format!("HTTP/1.1 {number} {name}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\n", body.len());
+        let mut head =
+            format!("HTTP/1.1 {number} {name}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\n", body.len());
         if *number == Status::METHOD_NOT_ALLOWED.0 {
             head.push_str("Allow: GET, POST\r\n");
         }

@@ -89,8 +89,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
         .with_context(|| format!("port {port} of 127.0.0.1 cannot be had; choose another, or leave --port out"))?;
     let guard = Guard::new().context("the operating system gives no random numbers for the token")?;
-    let meshing =
-        Meshing { name: source.to_string(), soup: source.read()?, mesher: machine.mesher()?, format, output };
+    let meshing = Meshing { name: source.to_string(), soup: source.read()?, mesher: machine.mesher()?, format, output };
 
     let progress = Progress::new(false);
     let first = meshing.make(&options, &|stage, share| match signals.stopped() {

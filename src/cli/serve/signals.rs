@@ -1,7 +1,8 @@
 //! Signals that end the program.
 
 use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
+use signal_hook::low_level::unregister;
+use signal_hook::{SigId, flag};
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -27,6 +28,7 @@ impl Stopped {
 /// The signals since the start: Ctrl-C and SIGTERM.
 pub struct Signals {
     last: Arc<AtomicUsize>,
+    handlers: Vec<SigId>,
 }
 
 impl Signals {
@@ -35,13 +37,16 @@ impl Signals {
     /// # Errors
     /// Where the operating system takes no handler.
     pub fn listen() -> io::Result<Self> {
-        let (last, is_second) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
+        let mut signals = Self { last: Arc::new(AtomicUsize::new(0)), handlers: Vec::new() };
+        let is_second = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
-            flag::register_conditional_shutdown(signal, 128 + signal, is_second.clone())?;
-            flag::register(signal, is_second.clone())?;
-            flag::register_usize(signal, last.clone(), signal.unsigned_abs() as usize)?;
+            signals.handlers.extend([
+                flag::register_conditional_shutdown(signal, 128 + signal, is_second.clone())?,
+                flag::register(signal, is_second.clone())?,
+                flag::register_usize(signal, signals.last.clone(), signal.unsigned_abs() as usize)?,
+            ]);
         }
-        Ok(Self { last })
+        Ok(signals)
     }
 
     /// The signal that came, if one did.
@@ -58,5 +63,13 @@ impl Signals {
             }
             thread::sleep(PAUSE);
         }
+    }
+}
+
+impl Drop for Signals {
+    fn drop(&mut self) {
+        self.handlers.drain(..).for_each(|handler| {
+            unregister(handler);
+        });
     }
 }

@@ -54,7 +54,6 @@ impl Site for MeshSite {
             _ => Response::error(Status::NOT_FOUND, "the server has no such address"),
         }
     }
-
 }
 
 impl MeshSite {
