@@ -11,6 +11,8 @@ use std::time::{Duration, Instant};
 
 /// The most connections at the same time.
 pub const MOST: usize = 32;
+/// A connection that is idle for so long may be ended where others wait.
+const GRACE: Duration = Duration::from_secs(1);
 /// The time for the head of a request.
 const HEAD_TIME: Duration = Duration::from_secs(10);
 /// The time for the body of a request, and for the answer: some 60 MB through a slow tunnel.
@@ -78,7 +80,13 @@ struct State {
     count: usize,
     next: u64,
     /// Those without an admitted request, or with the whole answer to it, the oldest first: any may be ended.
-    idle: VecDeque<(u64, TcpStream)>,
+    idle: VecDeque<Idle>,
+}
+
+struct Idle {
+    number: u64,
+    since: Instant,
+    stream: TcpStream,
 }
 
 impl Open {
@@ -87,15 +95,19 @@ impl Open {
         let Ok(handle) = stream.try_clone() else { return };
         let mut state = self.lock();
         while state.count >= MOST {
-            if let Some((_, oldest)) = state.idle.pop_front() {
-                let _ = oldest.shutdown(Shutdown::Both);
+            let left = state.idle.front().map_or(GRACE, |oldest| GRACE.saturating_sub(oldest.since.elapsed()));
+            if left.is_zero()
+                && let Some(oldest) = state.idle.pop_front()
+            {
+                let _ = oldest.stream.shutdown(Shutdown::Both);
             }
-            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+            let wait = if left.is_zero() { GRACE } else { left };
+            state = self.changed.wait_timeout(state, wait).unwrap_or_else(PoisonError::into_inner).0;
         }
         let number = state.next;
         state.next += 1;
         state.count += 1;
-        state.idle.push_back((number, handle));
+        state.idle.push_back(Idle { number, since: Instant::now(), stream: handle });
         drop(state);
         // It is counted until it is dropped, also where its thread panics or is not started.
         let place = Place { open: self.clone(), number };
@@ -117,13 +129,14 @@ struct Place {
 impl Place {
     /// The connection has an admitted request.
     fn begin(&self) {
-        self.open.lock().idle.retain(|(number, _)| *number != self.number);
+        self.open.lock().idle.retain(|idle| idle.number != self.number);
     }
 
     /// The connection has its answer.
     fn end(&self, stream: &TcpStream) {
-        if let Ok(handle) = stream.try_clone() {
-            self.open.lock().idle.push_back((self.number, handle));
+        self.begin();
+        if let Ok(stream) = stream.try_clone() {
+            self.open.lock().idle.push_back(Idle { number: self.number, since: Instant::now(), stream });
             // The listener may wait for one that is idle.
             self.open.changed.notify_one();
         }
@@ -157,7 +170,6 @@ fn converse(stream: TcpStream, site: &dyn Site, place: &Place) {
     let Ok(response) = response else { return };
     stream.until = Instant::now() + BODY_TIME;
     if response.write(&mut stream).is_ok() {
-        place.begin();
         place.end(&stream.stream);
         stream.finish();
     }
