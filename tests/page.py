@@ -369,7 +369,8 @@ def test_the_served_page_meshes_what_is_drawn(browser, folder):
 
 
 def main():
-    with tempfile.TemporaryDirectory() as name:
+    # Children of the browser may write to its profile for a moment after its end.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
         folder = pathlib.Path(name)
         (folder / "profile").mkdir()
         browser = Browser(sys.argv[2], folder / "profile")
