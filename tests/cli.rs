@@ -726,7 +726,7 @@ fn sizes_come_from_a_file_and_from_curvature() {
 fn help_explains_every_subcommand() {
     let desk = Desk::new();
     let help = desk.said(&["--help"]);
-    for name in ["mesh", "field", "mosaic", "picture", "study", "example", "check", "devices"] {
+    for name in ["mesh", "field", "mosaic", "picture", "study", "example", "check", "view", "serve", "devices"] {
         assert!(help.contains(&format!("\n  {name}")), "{help}");
         assert!(desk.said(&[name, "--help"]).contains("Usage: quadmosaic"));
     }

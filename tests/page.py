@@ -69,8 +69,11 @@ class Browser:
             self.events.append(answer)
 
     def open(self, path):
+        self.visit(path.resolve().as_uri())
+
+    def visit(self, address):
         self.events = []
-        self.call("Page.navigate", url=path.resolve().as_uri())
+        self.call("Page.navigate", url=address)
         while self.run("document.readyState") != "complete":
             time.sleep(0.05)
 
@@ -132,6 +135,22 @@ def edges_of(path):
 
 def middle_of(edge):
     return [(a + b) / 2 for a, b in zip(*edge)]
+
+
+def turned(path):
+    """The mean angle in degrees between edges near the stroke and the stroke or what is across it."""
+    near = [edge for edge in edges_of(path) if all(0.35 < x < 0.65 for x in middle_of(edge)[:2])]
+    near = [edge for edge in near if abs(middle_of(edge)[0] - middle_of(edge)[1]) < 0.1]
+    angles = [math.degrees(math.atan2(b[1] - a[1], b[0] - a[0])) % 90 for a, b in near]
+    return sum(abs(angle - 45) for angle in angles) / len(angles)
+
+
+def ratio(path):
+    """The mean edge length where sizes were painted, over that far from there."""
+    edges = [(middle_of(edge), math.dist(*edge)) for edge in edges_of(path)]
+    inner = [length for (x, y, _), length in edges if 0.25 < x < 0.75 and abs(y - 0.5) < 0.08]
+    outer = [length for (x, y, _), length in edges if abs(y - 0.5) > 0.35]
+    return sum(inner) / len(inner) / (sum(outer) / len(outer))
 
 
 def plate(path):
@@ -220,13 +239,6 @@ def test_rows_turn_towards_a_stroke(browser, folder):
     expect(text == browser.run("quadmosaic.guides()"), "what is saved is what scripts get")
     mesh(surface, folder / "after.obj", "--points", 900, "--guides", folder / "guides.json")
 
-    def turned(path):
-        """The mean angle in degrees between edges near the stroke and the stroke or what is across it."""
-        near = [edge for edge in edges_of(path) if all(0.35 < x < 0.65 for x in middle_of(edge)[:2])]
-        near = [edge for edge in near if abs(middle_of(edge)[0] - middle_of(edge)[1]) < 0.1]
-        angles = [math.degrees(math.atan2(b[1] - a[1], b[0] - a[0])) % 90 for a, b in near]
-        return sum(abs(angle - 45) for angle in angles) / len(angles)
-
     before, after = turned(folder / "before.obj"), turned(folder / "after.obj")
     print(f"rows near the stroke: {before:.1f} degrees from it without it, {after:.1f} with it")
     expect(before > 35, "without the stroke rows follow the borders")
@@ -242,13 +254,6 @@ def test_edges_are_shorter_where_sizes_are_painted(browser, folder):
     browser.drag(seen(browser, along([0.2, 0.5, 0], [0.8, 0.5, 0], 8)))
     (folder / "sizes.csv").write_text(browser.run("quadmosaic.sizes()"))
     mesh(surface, folder / "painted.obj", "--points", 900, "--size-field", folder / "sizes.csv")
-
-    def ratio(path):
-        """The mean edge length where sizes were painted, over that far from there."""
-        edges = [(middle_of(edge), math.dist(*edge)) for edge in edges_of(path)]
-        inner = [length for (x, y, _), length in edges if 0.25 < x < 0.75 and abs(y - 0.5) < 0.08]
-        outer = [length for (x, y, _), length in edges if abs(y - 0.5) > 0.35]
-        return sum(inner) / len(inner) / (sum(outer) / len(outer))
 
     before, after = ratio(folder / "before.obj"), ratio(folder / "painted.obj")
     print(f"edges painted half as long: {before:.2f} times as long as others without the sizes, {after:.2f} with them")
@@ -281,8 +286,91 @@ def test_strokes_lie_on_the_surface_and_end_where_it_does(browser, folder):
     is_quiet(browser, page)
 
 
+class Server:
+    """`quadmosaic serve`, and the address that it prints."""
+
+    def __init__(self, surface, *options):
+        command = [sys.argv[1], "serve", str(surface), "--backend", "cpu", *map(str, options)]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        self.address = self.process.stdout.readline().strip()
+
+    def close(self):
+        self.process.terminate()
+        expect(self.process.wait() == 143, "the server is ended by a signal")
+
+
+def waits_for(browser, script, part):
+    """Waits until the text that a script gives has a part."""
+    for _ in range(600):
+        text = browser.run(script)
+        if part in text:
+            return
+        time.sleep(0.05)
+    sys.exit(f"FAILED: {script} gives {text!r}, not {part!r}")
+
+
+TOLD = "document.getElementById('run').textContent"
+
+
+def meshed(browser, points, told="Meshed."):
+    """Asks the served page for a mesh, and waits until it tells this."""
+    browser.run(f"document.getElementById('points').value = '{points}'; {TOLD} = ''")
+    press(browser, "Mesh")
+    waits_for(browser, TOLD, told)
+
+
+def test_the_served_page_meshes_what_is_drawn(browser, folder):
+    surface, output = folder / "plate.obj", folder / "served.obj"
+    plate(surface)
+    server = Server(surface, "--points", 900, "-o", output)
+    try:
+        browser.visit(server.address)
+        waits_for(browser, "document.getElementById('points').value", "900")
+        expect(turned(output) > 35, "the first mesh is without strokes")
+        press(browser, "top")
+        browser.click("[data-mode=stroke]")
+        browser.drag(seen(browser, along([0.3, 0.3, 0], [0.7, 0.7, 0], 20)))
+        guides = browser.run("quadmosaic.guides()")
+        where = seen(browser, [[0.5, 0.5, 0]])
+        meshed(browser, 1200)
+        print(f"rows near the stroke on the served page: {turned(output):.1f} degrees from it")
+        expect(turned(output) < 10, "rows follow the stroke")
+        (folder / "drawn.json").write_text(guides)
+        mesh(surface, folder / "same.obj", "--points", 1200, "--guides", folder / "drawn.json")
+        expect(output.read_bytes() == (folder / "same.obj").read_bytes(), "it is the mesh of the command line")
+        vertices = sum(line.startswith("v ") for line in output.read_text().splitlines())
+        expect(vertices > 1100, f"the form's number of vertices counts: {vertices}")
+        expect(browser.run("quadmosaic.sizes().trim().split('\\n').length") == vertices + 1, "and the page shows that mesh")
+        expect(len(json.loads(browser.run("quadmosaic.guides()"))["strokes"]) == 1, "the stroke stays")
+        expect(math.dist(where[0], seen(browser, [[0.5, 0.5, 0]])[0]) < 2, "and so does the view")
+
+        press(browser, "Undo")
+        press(browser, "Paint sizes")
+        browser.drag(seen(browser, along([0.2, 0.5, 0], [0.8, 0.5, 0], 8)))
+        # The second run has the sizes that were carried to the mesh of the first.
+        for run in ["first", "second"]:
+            meshed(browser, 900)
+            print(f"edges painted half as long on the served page: {ratio(output):.2f} times as long as others, {run} run")
+            expect(ratio(output) < 0.7, "edges are shorter where that was painted")
+        expect(ratio(folder / "same.obj") > 0.9, "without the sizes edges are alike")
+        text = downloaded(browser, folder, "#save-mesh", "mesh.obj")
+        expect(text == output.read_text(), "the page saves the mesh")
+        expect(browser.complaints() == [], f"{browser.complaints()}")
+        asked = browser.requests()
+        expect(len(asked) > 5 and all(url.startswith(server.address) for url in asked), f"the page asks for {asked}")
+
+        meshed(browser, 400000, "%")
+        press(browser, "Cancel")
+        waits_for(browser, TOLD, "Cancelled.")
+        meshed(browser, 3, "ask for 4 to 50000000 vertices")
+        expect(output.read_text() == text, "the mesh before stays")
+    finally:
+        server.close()
+
+
 def main():
-    with tempfile.TemporaryDirectory() as name:
+    # Children of the browser may write to its profile for a moment after its end.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
         folder = pathlib.Path(name)
         (folder / "profile").mkdir()
         browser = Browser(sys.argv[2], folder / "profile")
@@ -293,6 +381,7 @@ def main():
                 test_rows_turn_towards_a_stroke,
                 test_edges_are_shorter_where_sizes_are_painted,
                 test_strokes_lie_on_the_surface_and_end_where_it_does,
+                test_the_served_page_meshes_what_is_drawn,
             ]:
                 test(browser, folder)
         finally:

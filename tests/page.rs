@@ -6,7 +6,7 @@ use base64::prelude::{BASE64_STANDARD, Engine};
 use common::surfaces::{example, surface};
 use quadmosaic::mesh::Mesh;
 use quadmosaic::mesh::quality::Quality;
-use quadmosaic::page::{MOST_TRIANGLES, Page, PageError, write_page};
+use quadmosaic::page::{MOST_TRIANGLES, Page, PageError, served_html, write_page};
 use quadmosaic::surface::Regions;
 use quadmosaic::{Fineness, Mesher, Options, Outcome};
 use serde_json::Value;
@@ -193,6 +193,11 @@ fn a_page_names_no_other_place() {
     // The namespace of SVG is a name, and nothing is fetched from there.
     assert_eq!(html.matches("://").count(), html.matches("http://www.w3.org/2000/svg").count());
     assert!(html.contains("default-src 'none'"), "and the browser refuses any");
+    assert!(!html.contains("connect-src") && !html.contains("fetch("), "a file asks nobody");
+    let served = served_html("a sphere", &page(&run("sphere", 300)).json());
+    assert_eq!(served.matches("://").count(), html.matches("://").count());
+    assert_eq!(served.matches("connect-src 'self'").count(), 1, "a page that is served asks its server alone");
+    assert!(data(&served)["mesh"].is_object());
 }
 
 #[test]

@@ -206,8 +206,7 @@ impl Item {
     /// Meshes the surface; a failure is a row too.
     fn mesh(&self, mesher: &Mesher, options: &Options, format: Format, folder: &Path) -> Row {
         let started = Instant::now();
-        let extension = if format == Format::Msh22 { "msh" } else { format.name() };
-        let file = format!("{}.{extension}", self.stem);
+        let file = format!("{}.{}", self.stem, format.extension());
         let row = self.try_mesh(mesher, options, format, folder, &file);
         let failed = |error: anyhow::Error| Row {
             surface: self.name.clone(),

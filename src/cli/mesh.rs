@@ -6,17 +6,15 @@ use super::input::Source;
 use super::mesh_output::MeshOutput;
 use super::method::MethodArguments;
 use super::output::{Output, expect_writable, page_path, picture_path, print_beside, warn, write_json};
+use super::progress::Progress;
 use super::{page, picture, summary};
 use anyhow::Context;
 use clap::{Args, CommandFactory, error::ErrorKind};
-use indicatif::{ProgressBar, ProgressStyle};
 use quadmosaic::export::MeshFile;
 use quadmosaic::page::write_page;
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
-use quadmosaic::pipeline::Stage;
 use quadmosaic::surface::AttributeKind;
 use quadmosaic::warnings;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -88,7 +86,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
     let progress = Progress::new(arguments.quiet);
     let outcome = mesher.mesh_watched(&soup, &options, &|stage, share| progress.show(stage, share));
-    progress.bar.finish_and_clear();
+    progress.end();
     let outcome = outcome.context(name.clone())?;
 
     let (report, measuring) = timed(|| mesher.report(&name, &options, &outcome));
@@ -164,23 +162,4 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let done = work();
     (done, start.elapsed())
-}
-
-/// A progress bar on stderr, hidden where that is no terminal.
-struct Progress {
-    bar: ProgressBar,
-}
-
-impl Progress {
-    fn new(quiet: bool) -> Self {
-        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(100) };
-        let style = ProgressStyle::with_template("{msg:12} {bar:40} {percent:>3} %").expect("the template is right");
-        Self { bar: bar.with_style(style) }
-    }
-
-    fn show(&self, stage: Stage, share: f32) -> ControlFlow<()> {
-        self.bar.set_message(stage.name());
-        self.bar.set_position((100.0 * share) as u64);
-        ControlFlow::Continue(())
-    }
 }

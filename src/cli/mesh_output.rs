@@ -26,14 +26,11 @@ impl MeshOutput {
     /// # Errors
     /// Wrong usage, where neither `--to` nor the extension tells it.
     pub fn format(&self) -> anyhow::Result<Format> {
-        let usage = |message: String| super::Arguments::command().error(ErrorKind::ValueValidation, message).into();
         match (self.to, &self.output) {
             (Some(format), _) => Ok(format),
-            (None, Output::File(path)) => Format::from_extension(path).map_err(|error| {
-                usage(format!("{}: {error}; name a format by the extension or by --to", path.display()))
-            }),
+            (None, Output::File(path)) => format_of(path),
             (None, Output::Standard) => {
-                Err(usage(format!("name the format of standard output: --to {}", Format::list().replace(", ", "|"))))
+                Err(usage(&format!("name the format of standard output: --to {}", Format::list().replace(", ", "|"))))
             }
         }
     }
@@ -62,4 +59,17 @@ impl MeshOutput {
             }
         }
     }
+}
+
+/// The format that an extension tells.
+///
+/// # Errors
+/// Wrong usage, where it tells none.
+pub fn format_of(path: &Path) -> anyhow::Result<Format> {
+    Format::from_extension(path)
+        .map_err(|error| usage(&format!("{}: {error}; name a format by the extension or by --to", path.display())))
+}
+
+fn usage(message: &str) -> anyhow::Error {
+    super::Arguments::command().error(ErrorKind::ValueValidation, message).into()
 }

@@ -19,7 +19,9 @@ mod mosaic;
 mod output;
 mod page;
 mod picture;
+mod progress;
 mod repairs;
+mod serve;
 mod study;
 mod summary;
 mod view;
@@ -27,6 +29,7 @@ mod view;
 use clap::{Parser, Subcommand};
 use config::Request;
 use mesh::Unsound;
+use serve::Stopped;
 use std::ffi::OsString;
 
 /// Turns a triangle surface into a quad-dominant mesh whose rows follow its features and your guides.
@@ -55,6 +58,7 @@ enum Command {
     Example(example::Arguments),
     Check(check::Arguments),
     View(view::Arguments),
+    Serve(Box<serve::Arguments>),
     /// Lists the GPU adapters of this machine, the best first
     Devices,
 }
@@ -74,6 +78,10 @@ pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) ->
     if let Some(usage) = error.downcast_ref::<clap::Error>() {
         let _ = usage.print();
         return u8::try_from(usage.exit_code()).unwrap_or(u8::MAX);
+    }
+    // The user ended the program; that is no error to tell.
+    if let Some(stopped) = error.downcast_ref::<Stopped>() {
+        return stopped.code();
     }
     eprintln!("error: {}", sentence(&error));
     if error.is::<Unsound>() { UNSOUND } else { 1 }
@@ -99,6 +107,7 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Example(arguments) => example::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::View(arguments) => view::run(&arguments),
+        Command::Serve(arguments) => serve::run(*arguments),
         Command::Devices => devices::run(),
     }
 }

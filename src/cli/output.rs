@@ -72,7 +72,7 @@ fn ends_in(text: &str, endings: &[&str], refusal: &str) -> Result<PathBuf, Strin
 }
 
 /// A path; `-` is refused.
-fn file_path(text: &str) -> Result<PathBuf, String> {
+pub fn file_path(text: &str) -> Result<PathBuf, String> {
     match text {
         "-" => Err("this result goes to a file, not to standard output; name a file".to_owned()),
         _ => Ok(text.into()),

@@ -39,6 +39,13 @@ class Camera {
     this.turn.forEach((way, axis) => { this.centre = add(this.centre, way, (low[axis] + high[axis]) / 2); });
   }
 
+  // Looks as another camera did, whose positions had another frame.
+  follow(other, from, to) {
+    this.turn = other.turn;
+    this.centre = to.position(from.model(other.centre));
+    this.scale = other.scale * to.diagonal / from.diagonal;
+  }
+
   // Turns by pixels to the right and down: the width of the picture is half a turn.
   rotate(x, y) {
     const turned = (a, b, angle) => {

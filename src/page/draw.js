@@ -13,12 +13,20 @@ class Drawing {
     this.factors = new Float32Array(vertices.length / 3).fill(1);
   }
 
-  // Goes on to draw on another mesh: strokes stay, as they are on the surface, and sizes begin anew.
+  // Goes on to draw on another mesh: strokes stay, as they are on the surface, and each vertex has the size of the nearest one before.
   moveTo({ vertices, edge, frame }) {
-    const moved = (place) => scaled(add(this.frame.model(place), frame.centre, -1), 1 / frame.diagonal);
-    this.strokes.forEach((stroke) => { stroke.points = stroke.points.map(moved); });
-    this.history = this.history.filter((step) => step.stroke);
-    Object.assign(this, { vertices, edge, frame, open: null, factors: new Float32Array(vertices.length / 3).fill(1) });
+    const from = this.frame;
+    this.strokes.forEach((stroke) => { stroke.points = stroke.points.map((place) => frame.position(from.model(place))); });
+    const steps = this.history.filter((step) => step.factors), count = vertices.length / 3;
+    let before = () => -1;
+    if (steps.length > 0) {
+      const grid = new Grid(this.vertices, this.edge);
+      const nearest = Int32Array.from({ length: count }, (_, v) => grid.nearest(from.position(frame.model(vertices.subarray(3 * v, 3 * v + 3)))));
+      before = (v) => nearest[v];
+    }
+    const carried = (factors) => Float32Array.from({ length: count }, (_, v) => factors[before(v)] ?? 1);
+    steps.forEach((step) => { step.factors = carried(step.factors); });
+    Object.assign(this, { vertices, edge, frame, open: null, factors: carried(this.factors) });
   }
 
   get lineCount() {

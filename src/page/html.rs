@@ -5,12 +5,13 @@ use super::Data;
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 /// The parts of the script, each after those that it uses.
-const SCRIPT: [&str; 11] = [
+const SCRIPT: [&str; 12] = [
     include_str!("decode.js"),
     include_str!("camera.js"),
     include_str!("shaders.js"),
     include_str!("layers.js"),
     include_str!("pick.js"),
+    include_str!("nearest.js"),
     include_str!("draw.js"),
     include_str!("scene.js"),
     include_str!("panel.js"),
@@ -19,15 +20,26 @@ const SCRIPT: [&str; 11] = [
     include_str!("start.js"),
 ];
 
-/// A page that holds its data, its style and its script.
-pub(super) fn html(data: &Data) -> String {
+/// What a page has that asks its server for meshes.
+const FORM: &str = include_str!("serve.html");
+const FORM_SCRIPT: &str = include_str!("serve.js");
+
+/// The JSON of a page's data, which may stand in an element.
+pub(super) fn json(data: &Data) -> String {
     // A `<` could end the element; JSON has it in strings alone.
-    let json = serde_json::to_string(data).expect("numbers and text are JSON").replace('<', "\\u003c");
+    serde_json::to_string(data).expect("numbers and text are JSON").replace('<', "\\u003c")
+}
+
+/// A page that holds its data, its style and its script; one that is served also asks its server for meshes.
+pub(super) fn html(title: &str, json: &str, is_served: bool) -> String {
+    let served = |text: &'static str| if is_served { text } else { "" };
     filled(TEMPLATE, |name| match name {
-        "title" => escaped(&data.name),
+        "title" => escaped(title),
+        "connect" => served("; connect-src 'self'").to_owned(),
         "style" => STYLE.to_owned(),
-        "data" => json.clone(),
-        "script" => SCRIPT.concat(),
+        "serve" => served(FORM).to_owned(),
+        "data" => json.to_owned(),
+        "script" => SCRIPT.concat() + served(FORM_SCRIPT),
         _ => String::new(),
     })
 }
@@ -60,9 +72,10 @@ mod tests {
 
     #[test]
     fn the_template_has_each_place_once() {
-        for name in ["title", "style", "data", "script"] {
+        let names = ["title", "connect", "style", "serve", "data", "script"];
+        for name in names {
             assert_eq!(TEMPLATE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
         }
-        assert_eq!(TEMPLATE.matches("{{").count(), 4);
+        assert_eq!(TEMPLATE.matches("{{").count(), names.len());
     }
 }

@@ -217,8 +217,19 @@ impl Page {
 
     /// The page as text.
     pub fn html(&self) -> String {
-        html::html(&self.data)
+        html::html(&self.data.name, &self.json(), false)
     }
+
+    /// The data of the page as JSON, for [`served_html`] and for the script of a page that shows another one.
+    pub fn json(&self) -> String {
+        html::json(&self.data)
+    }
+}
+
+/// A page with the data of another one ([`Page::json`]) that asks the server it comes from for meshes: it posts to `run` and `cancel`,
+/// and gets `status`, `data` and `mesh`, all beside its own address. It asks no other server.
+pub fn served_html(title: &str, json: &str) -> String {
+    html::html(title, json, true)
 }
 
 /// Writes a page to a file.

@@ -9,7 +9,7 @@ let programs;
 // Whether a frame is asked for, and whether what was drawn is to be shown in it.
 let isStale = false, isDrawn = false;
 
-// Shows some data; what was drawn before stays.
+// Shows some data; what was drawn before stays, and so does the view.
 function show(data) {
   const before = scene;
   scene = new Scene(gl, programs, data);
@@ -19,7 +19,7 @@ function show(data) {
   strokes = new LineLayer(gl, programs, { name: "strokes", colour: "#d0208c", width: 4, shown: true, ends: drawing.lines() });
   before?.free();
   resize();
-  scene.camera.look(data.views[0][1]);
+  if (before) scene.camera.follow(before.camera, before.frame, scene.frame); else scene.camera.look(data.views[0][1]);
   showFigures(data);
   showViews(data);
   showSwitches();
@@ -80,7 +80,9 @@ function showColours() {
   if (scene.regions) choices.push(["regions", "regions"]);
   choices.push(["sizes", "painted sizes"]);
   const options = choices.map(([value, textContent]) => element("option", { value, textContent }));
+  const chosen = byId("colour").value;
   byId("colour").replaceChildren(...options);
+  if (choices.some(([value]) => value === chosen)) byId("colour").value = chosen;
 }
 
 // Colours the faces as chosen.

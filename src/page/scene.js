@@ -9,6 +9,7 @@ class Scene {
       centre: data.centre,
       diagonal: data.diagonal,
       model: (place) => [0, 1, 2].map((k) => place[k] * data.diagonal + data.centre[k]),
+      position: (place) => scaled(add(place, data.centre, -1), 1 / data.diagonal),
     };
     this.edge = data.edge / data.diagonal;
     this.mesh = new FaceLayer(gl, programs, facesOf(data.mesh), false);

@@ -21,8 +21,7 @@ window.quadmosaic = {
   },
   // The pixels of the window at which a place in model units is seen.
   project: (place) => {
-    const { centre, diagonal } = scene.frame, box = canvas.getBoundingClientRect();
-    const [x, y] = scene.camera.project(scaled(add(place, centre, -1), 1 / diagonal));
+    const box = canvas.getBoundingClientRect(), [x, y] = scene.camera.project(scene.frame.position(place));
     return [x + box.left, y + box.top];
   },
   // The mean time of a frame in milliseconds, over so many in which the mesh turns.

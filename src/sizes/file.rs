@@ -104,11 +104,19 @@ const COLUMNS: [&str; 4] = ["x", "y", "z", "size"];
 pub fn read_sizes(path: &Path) -> Result<Vec<SizeSample>, SizeFileError> {
     let file = path.display().to_string();
     let bytes = fs::read(path).map_err(|source| SizeFileError::Unreadable { file: file.clone(), source })?;
-    let samples = match load::ply_sizes(&bytes, &file) {
-        Some(rows) => of_ply(&rows?, &file)?,
-        None => of_text(&String::from_utf8_lossy(&bytes), &file)?,
+    parse_sizes(&bytes, &file)
+}
+
+/// Reads the points of a file's bytes as [`read_sizes`] does those of a file. Errors call them `name`.
+///
+/// # Errors
+/// As [`read_sizes`].
+pub fn parse_sizes(bytes: &[u8], name: &str) -> Result<Vec<SizeSample>, SizeFileError> {
+    let samples = match load::ply_sizes(bytes, name) {
+        Some(rows) => of_ply(&rows?, name)?,
+        None => of_text(&String::from_utf8_lossy(bytes), name)?,
     };
-    if samples.is_empty() { Err(SizeFileError::NoSizes { file }) } else { Ok(samples) }
+    if samples.is_empty() { Err(SizeFileError::NoSizes { file: name.to_owned() }) } else { Ok(samples) }
 }
 
 /// The samples of rows of numbers, each x, y, z and the size. Errors call them `name`.

@@ -18,7 +18,7 @@ mod growth;
 mod local;
 mod wanted;
 
-pub use file::{SizeFileError, SizeSample, read_sizes, samples};
+pub use file::{SizeFileError, SizeSample, parse_sizes, read_sizes, samples};
 pub use local::{LocalSize, NoLocalSize, Place};
 pub use wanted::SizeOptions;
 pub(crate) use wanted::{FEW, Wanted};

@@ -61,9 +61,14 @@ impl Format {
         NAMES.into_iter().map(|(format, _)| format)
     }
 
-    /// Its name, which [`Format::from_str`] knows. It is the extension too, but for `msh22`, whose extension is `msh`.
+    /// Its name, which [`Format::from_str`] knows.
     pub fn name(self) -> &'static str {
         NAMES[self as usize].1
+    }
+
+    /// The extension of its files: its name, but for `msh22`, whose extension is `msh`.
+    pub fn extension(self) -> &'static str {
+        if self == Self::Msh22 { Self::Msh.name() } else { self.name() }
     }
 
     /// The format that the extension of a path means.
