@@ -133,7 +133,8 @@ pub fn check(data: &[u8]) {
         let (against, _) = check_against(&mesh, surface);
         assert!(faults.is_clean() || !against.is_clean(), "a surface takes no fault away");
         let report = CheckReport::new("fuzz", &mesh, Some(("block", &**surface)));
-        assert!(report.faults == against, "the report has what the check finds");
+        // A place may be NaN, which is equal to nothing.
+        assert!(format!("{:?}", report.faults) == format!("{against:?}"), "the report has what the check finds");
         assert!(report.mesh.is_none_or(|quality| !quality.qr.is_nan()), "the share of quads is a number");
     });
 }
