@@ -44,6 +44,7 @@
 //! and draw; `study`, sweeps with charts; `cli`, the
 //! program. Without them the library takes a surface to a mesh on the CPU.
 
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 #[cfg(feature = "cli")]

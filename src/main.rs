@@ -7,6 +7,7 @@ fn main() -> ExitCode {
 
 /// On a server without a desktop, a layer that Mesa puts before the driver looks for one and complains on stderr at every
 /// start; it can be left out there.
+#[expect(unsafe_code, reason = "other threads may read the environment meanwhile; there are none yet")]
 fn hush_the_vulkan_loader() {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
         // SAFETY: no other thread runs yet that could read the environment.

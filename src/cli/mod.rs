@@ -87,6 +87,15 @@ pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) ->
     if error.is::<Unsound>() { UNSOUND } else { 1 }
 }
 
+/// Reads arguments as [`main`] does, with the file of options that they name, and does nothing more.
+///
+/// # Errors
+/// What `main` would say of them.
+pub fn expect_valid(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> Result<(), String> {
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    config::parse(&arguments).map(|_| ()).map_err(|error| sentence(&error))
+}
+
 /// The error and its causes on one line; a cause that the error tells already is not repeated.
 fn sentence(error: &anyhow::Error) -> String {
     error.chain().map(ToString::to_string).fold(String::new(), |told, cause| match told.as_str() {

@@ -187,3 +187,21 @@ fn wrong_places_are_named() {
         }
     }
 }
+
+#[test]
+fn a_facet_outside_of_solids_is_ended_by_the_file() {
+    let facet = "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n";
+    let part = "vertex 0 0 0\nvertex 1 0 0\n";
+    for before in [String::new(), ascii(&[("wing", &PAIR)])] {
+        let count = if before.is_empty() { 0 } else { 2 };
+        let soup = parse(before.clone() + facet).expect("it is whole");
+        assert_eq!(soup.triangles.len(), count + 1);
+        let line = before.lines().count() + 2;
+        match parse(before + part) {
+            Err(LoadError::At { place: Place::Line(place), fault: Fault::NotATriangle { count: 2 }, .. }) => {
+                assert_eq!(place, line)
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}

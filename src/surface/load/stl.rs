@@ -95,6 +95,9 @@ fn ascii(text: &[u8], file: &str) -> Result<Polygons, LoadError> {
     if let Some((line, _)) = solids.open {
         return Err(LoadError::at_line(file, text, line, Fault::EndlessSolid));
     }
+    // Vertices may stand outside of solids.
+    let last = text.trim_ascii_end().split(|&byte| byte == b'\n').count();
+    points.end_facet().map_err(|fault| LoadError::at_line(file, text, last, fault))?;
     let mut polygons = points.polygons;
     polygons.regions = Regions::from_marks(&solids.marks, polygons.ends.len());
     Ok(polygons)
