@@ -2,7 +2,7 @@
 
 use crate::compute::{Backend, Cpu};
 #[cfg(feature = "gpu")]
-use crate::gpu::{Gpu, GpuBackend, GpuError, adapters};
+use crate::gpu::{Gpu, GpuBackend, GpuError, adapters, can_have_hardware};
 use crate::pipeline::{Options, Outcome, PipelineError, Watch, run, unwatched};
 use crate::report::Report;
 use crate::surface::Soup;
@@ -37,7 +37,8 @@ impl Mesher {
     /// Where the GPU cannot be opened, or it refuses the kernels.
     #[cfg(feature = "gpu")]
     pub fn auto() -> Result<Self, GpuError> {
-        if adapters().iter().any(|adapter| adapter.hardware) { Self::gpu(None) } else { Ok(Self::cpu()) }
+        let has_hardware = can_have_hardware() && adapters().iter().any(|adapter| adapter.hardware);
+        if has_hardware { Self::gpu(None) } else { Ok(Self::cpu()) }
     }
 
     /// The backend.

@@ -283,6 +283,11 @@ impl Meshed {
         self.faults.list.len() + self.differences.len()
     }
 
+    /// Whether most faces were faults before the edits: the surface is broken, so that smaller tiles would not help.
+    fn is_hopeless(&self) -> bool {
+        self.edits.is_some_and(|edits| 2 * edits.faults_before > self.before.face_count())
+    }
+
     /// The places of the faults and differences, in model units.
     fn faulty_places(&self) -> Vec<[f64; 3]> {
         let of_differences = self.differences.iter().filter_map(|difference| match *difference {
@@ -303,9 +308,9 @@ const UNTANGLING_ROUNDS: usize = 3;
 const REPEATS: usize = 5;
 /// A mesh that misses the wanted count by a larger share is made again.
 const COUNT_TOLERANCE: f64 = 0.02;
-/// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where it still has more than two thirds of the faults,
-/// and more than so many, or is no better for so many times.
+/// A mesh that still has more than two thirds of the faults, and more than so many, is not made again.
 const MANY: usize = 10;
+/// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where it is no better for so many times.
 const MOST_FUTILE: usize = 2;
 const LARGE: usize = 3_000;
 /// The most times of the asked count, or of [`FEW`] where that is more, to which this raises it.
@@ -350,7 +355,7 @@ fn improve(
     for _ in 0..REPEATS {
         let is_off = miss.abs() > COUNT_TOLERANCE;
         // For the count alone one correction is enough, or does not help.
-        if places.is_empty() && !(is_off && sizing.aim == 1.0) {
+        if places.is_empty() && !(is_off && sizing.aim == 1.0) || best.meshed.is_hopeless() {
             break;
         }
         let mut clock = Clock::new(progress);
@@ -378,7 +383,7 @@ fn improve(
             (latest, futile) = (Some(next.surface), futile + 1);
         }
         best.times = times;
-        if is_large && (futile == MOST_FUTILE || after > MANY.max(2 * before / 3)) {
+        if is_large && futile == MOST_FUTILE || after > MANY.max(2 * before / 3) {
             break;
         }
     }
@@ -391,7 +396,7 @@ fn attempt<'a>(
     backend: &dyn Backend,
     mut clock: Clock,
 ) -> Result<(Sizing<'a>, Outcome), PipelineError> {
-    let Prepared { surface, sizing, sizes, count } = prepared;
+    let Prepared { surface, mut sizing, sizes, count } = prepared;
     let aim = ((sizing.aim * count as f64).round() as usize).max(*POINTS.start());
     let progress = clock.progress;
 
@@ -399,8 +404,11 @@ fn attempt<'a>(
     let field = field(&surface, sizes, count, options, backend)?;
 
     clock.begin(Stage::Mosaic)?;
-    let mosaic = lay(&surface, &field, backend, aim, options, &|share| progress.advance(share))?;
+    let advance = |share| progress.advance(share);
+    let builder = builder(&surface, &field, backend, options, &advance);
+    let mosaic = laid(&MosaicBuilder { first_scale: sizing.first_scale, ..builder }, aim, options)?;
     let mosaic = Mosaic { wanted: count, ..mosaic };
+    sizing.first_scale = f64::from(mosaic.scale / field.sizes().side_for_count(&surface, aim));
 
     clock.begin(Stage::Connect)?;
     let context = || Context::new(&surface).watched(progress);
@@ -554,8 +562,22 @@ pub fn lay(
     options: &Options,
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
-    let builder = MosaicBuilder { surface, field, backend, effort: Effort::default(), rows: options.rows, progress };
-    let is_absolute = !matches!(options.fineness, Fineness::Points(_)) && !field.sizes().is_equal();
+    laid(&builder(surface, field, backend, options, progress), count, options)
+}
+
+fn builder<'a>(
+    surface: &'a Surface,
+    field: &'a Field,
+    backend: &'a dyn Backend,
+    options: &Options,
+    progress: &'a dyn Fn(f32),
+) -> MosaicBuilder<'a> {
+    let (effort, rows) = (Effort::default(), options.rows);
+    MosaicBuilder { surface, field, backend, effort, rows, first_scale: 1.0, progress }
+}
+
+fn laid(builder: &MosaicBuilder, count: usize, options: &Options) -> Result<Mosaic, ComputeError> {
+    let is_absolute = !matches!(options.fineness, Fineness::Points(_)) && !builder.field.sizes().is_equal();
     if is_absolute { builder.at_scale_for(count) } else { builder.with_count(count) }
 }
 

@@ -26,6 +26,7 @@ fn tiled(name: &str) -> (Surface, Mosaic, Triangulation) {
         backend: &Cpu,
         effort: Effort::default(),
         rows: Rows::Paper,
+        first_scale: 1.0,
         progress: &|_| {},
     };
     let mosaic = builder.with_count(COUNT).expect("the CPU does not fail");

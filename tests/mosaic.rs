@@ -22,6 +22,7 @@ fn laid(surface: &Surface, field: &Field, count: usize) -> Mosaic {
         backend: &Cpu,
         effort: Effort::default(),
         rows: Rows::Paper,
+        first_scale: 1.0,
         progress: &|_| {},
     };
     builder.with_count(count).expect("the CPU does not fail")

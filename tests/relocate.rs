@@ -204,8 +204,15 @@ fn meshes_of_tiles_get_better_and_features_keep_their_vertices() {
         let surface = surface(&example(name, 4_000));
         let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
         let (effort, rows) = (Effort::default(), Rows::Paper);
-        let builder =
-            MosaicBuilder { surface: &surface, field: &field, backend: &Cpu, effort, rows, progress: &|_| {} };
+        let builder = MosaicBuilder {
+            surface: &surface,
+            field: &field,
+            backend: &Cpu,
+            effort,
+            rows,
+            first_scale: 1.0,
+            progress: &|_| {},
+        };
         let mosaic = builder.with_count(1_000).expect("the CPU does not fail");
         let triangulation = triangulate(&surface, &field, &mosaic);
         let edges = connect(&triangulation, &ConnectOptions::default());

@@ -46,6 +46,7 @@ pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {
         backend: &Cpu,
         effort: Effort::default(),
         rows: Rows::Paper,
+        first_scale: 1.0,
         progress: &|_| {},
     };
     builder.with_count(POINTS).expect("the CPU does not fail")

@@ -1,6 +1,7 @@
 //! Adapters, and the device that the kernels run on.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
@@ -57,6 +58,14 @@ impl std::fmt::Display for AdapterSummary {
 pub fn adapters() -> Vec<AdapterSummary> {
     let _alone = CREATION.lock().unwrap_or_else(PoisonError::into_inner);
     ranked_adapters().iter().map(|adapter| AdapterSummary::of(&adapter.get_info())).collect()
+}
+
+/// The files by which Linux drives GPUs: the kernel's own interface, NVIDIA's, WSL's, Mali's, Adreno's.
+const NODES: [&str; 5] = ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"];
+
+/// Whether this machine can have a hardware GPU. To list its adapters takes a tenth of a second, even where there is none.
+pub fn can_have_hardware() -> bool {
+    !cfg!(target_os = "linux") || NODES.iter().any(|node| Path::new(node).exists())
 }
 
 fn ranked_adapters() -> Vec<wgpu::Adapter> {
@@ -194,6 +203,11 @@ mod tests {
         assert!(matches!(gpu.wait(), Err(GpuError::Lost { .. })));
         assert!(matches!(gpu.upload("a test", &[1_u32]), Err(GpuError::Lost { .. })));
         assert!(matches!(gpu.read(&buffer), Err(GpuError::Lost { .. })));
+    }
+
+    #[test]
+    fn a_machine_without_the_files_of_gpus_lists_no_hardware() {
+        assert!(can_have_hardware() || adapters().iter().all(|adapter| !adapter.hardware));
     }
 
     #[test]

@@ -26,6 +26,6 @@ pub mod transfer;
 
 pub use backend::GpuBackend;
 pub use buffer::Buffer;
-pub use device::{AdapterSummary, Gpu, adapters};
+pub use device::{AdapterSummary, Gpu, adapters, can_have_hardware};
 pub use error::GpuError;
 pub use kernel::{Access, Bindable, Bindings, Kernel, Program, Recording, WORKGROUP};

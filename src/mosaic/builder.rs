@@ -67,6 +67,9 @@ pub struct MosaicBuilder<'a> {
     pub effort: Effort,
     /// Whether rows may end.
     pub rows: Rows,
+    /// The scale that is tried first, over the one at which the sizes give the count: 1, or what an earlier mosaic of nearly the
+    /// same surface has found.
+    pub first_scale: f64,
     /// Receives the progress, from 0 to 1; it begins anew where a mosaic is laid again for its count.
     pub progress: &'a dyn Fn(f32),
 }

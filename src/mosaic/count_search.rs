@@ -11,6 +11,9 @@ use crate::parametrize::Rows;
 
 /// A mosaic may miss the asked count by this share before another one is laid.
 const COUNT_ERROR: f64 = 0.01;
+/// A mosaic may miss a count by so many tiles: the count jumps by some where a row comes or goes, and the connectivity optimisation
+/// adds or removes a few.
+const FEW_TILES: f64 = 6.0;
 /// Mosaics that are relaxed on the finest level.
 const ATTEMPTS: usize = 3;
 /// A mosaic that is not relaxed yet may have so much less and so much more than the asked count, as shares, before another
@@ -21,6 +24,8 @@ const TRIES: usize = 6;
 /// So many of them with equal sides throughout. On a surface with many equal parts, as the teeth of a gear, all of these get
 /// another row at the same side, and the count jumps; where sides differ a little they do so one after the other.
 const EVEN_TRIES: usize = 2;
+/// Scales that differ by a smaller share are the same: their counts differ by chance.
+const SAME_SCALE: f32 = 1e-3;
 /// By how much sides differ then, as a share, over the diagonal of the surface.
 const TILT: f32 = 0.04;
 
@@ -74,7 +79,10 @@ impl Laying<'_> {
         let miss = |found: usize| (found.max(1) as f64 / count as f64).ln().abs();
         for _ in 1..ATTEMPTS {
             // Where features alone have more tiles than are wanted, or tiles are not relaxed, no other aim helps.
-            if miss(last) < COUNT_ERROR || best.feature_samples.len() >= count || self.relaxation.is_none() {
+            if miss(last) < COUNT_ERROR.max(FEW_TILES / count as f64)
+                || best.feature_samples.len() >= count
+                || self.relaxation.is_none()
+            {
                 break;
             }
             aim *= count as f64 / last.max(1) as f64;
@@ -92,6 +100,7 @@ impl Laying<'_> {
     fn aimed_at(&self, count: f64, tried: &mut Vec<Try>) -> Result<Mosaic, ComputeError> {
         // Rows that pass everywhere cost more than what they miss by.
         let [less, more] = if self.builder.rows == Rows::Continuous { [COUNT_ERROR; 2] } else { UNRELAXED_ERROR };
+        let [less, more] = [less, more].map(|error| error.max(FEW_TILES / count));
         let (middle, reach) = ((more - less) / 2.0, (more + less) / 2.0);
         let off = |found: usize| ((found.max(1) as f64 / count).ln() - middle).abs();
         let mut best: Option<(Try, Mosaic)> = None;
@@ -105,11 +114,12 @@ impl Laying<'_> {
             let mosaic = self.unrelaxed(h, tilt)?;
             let (features, found) = (mosaic.feature_samples.len(), mosaic.count());
             let this = Try { h, tilt, count: found };
+            let is_same = attempt > 0 && tried.last().is_some_and(|last| (h / last.h - 1.0).abs() < SAME_SCALE);
             tried.push(this);
             if best.as_ref().is_none_or(|(best, _)| off(found) < off(best.count)) {
                 best = Some((this, mosaic));
             }
-            if off(found) < reach || features as f64 >= count {
+            if off(found) < reach || is_same || features as f64 >= count {
                 break;
             }
         }
@@ -133,7 +143,10 @@ impl Laying<'_> {
                 (small * (large / small).powf(many / (many - few))) as f32
             }
             (_, Some(last)) => last.h * (miss(last) / 2.0).exp() as f32,
-            (_, None) => self.builder.field.sizes().side_for_count(self.builder.surface, count.round() as usize),
+            (_, None) => {
+                let MosaicBuilder { surface, field, first_scale, .. } = self.builder;
+                field.sizes().side_for_count(surface, count.round() as usize) * *first_scale as f32
+            }
         }
     }
 }

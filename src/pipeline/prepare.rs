@@ -31,6 +31,10 @@ pub(super) struct Sizing<'a> {
     pub count: usize,
     /// The number of tiles that is aimed at over the wanted number of vertices: the connectivity optimisation adds or removes some.
     pub aim: f64,
+    /// See [`MosaicBuilder::first_scale`].
+    ///
+    /// [`MosaicBuilder::first_scale`]: crate::mosaic::MosaicBuilder::first_scale
+    pub first_scale: f64,
 }
 
 /// The surface with the features that tiles of this fineness resolve, the sizes of the tiles, and the wanted number of vertices.
@@ -85,7 +89,7 @@ pub(super) fn prepared<'a>(
     if matches!(options.fineness, Fineness::Size(_)) {
         wanted.keep_scale(&surface, count)?;
     }
-    Sizing { wanted, count, aim: 1.0 }.sized(surface, options, progress)
+    Sizing { wanted, count, aim: 1.0, first_scale: 1.0 }.sized(surface, options, progress)
 }
 
 impl<'a> Sizing<'a> {

@@ -126,6 +126,8 @@ pub struct EditCounts {
     pub on_boundaries: usize,
     /// Vertices added on other features so that all faces become quads.
     pub on_features: usize,
+    /// Faults before.
+    pub faults_before: usize,
     /// Triangles before.
     pub triangles_before: usize,
     /// Triangles after.
@@ -176,6 +178,8 @@ const LEAST_EXCESS: i64 = 2;
 const ALL_PRICE: f64 = 3.0;
 /// The least [`ConnectivityOptions::regularity`] with [`Quads::All`].
 const ALL_REGULARITY: f64 = 0.1;
+/// The highest valence of a vertex whose faces are edited.
+const MOST_VALENCE: usize = 64;
 /// Passes of shape matching before poor quads are recut.
 const PASSES: usize = 2;
 /// The least gain of an edit.
@@ -189,6 +193,7 @@ const SHAPE_TOLERANCE: f64 = 1e-3;
 pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &ConnectivityOptions) -> EditCounts {
     let mut engine = Engine::new(context, mesh, options);
     engine.counts.triangles_before = engine.triangles();
+    engine.counts.faults_before = engine.faults();
     if options.quads == Quads::Paper {
         operations::clean_up(&mut engine);
         return engine.finish();
@@ -300,7 +305,13 @@ impl<'a> Engine<'a> {
     /// The faces that an operation concerns, in order.
     fn concerned(&self, operations: &[Operation]) -> Vec<u32> {
         let all = (0..self.mesh.face_bound() as u32).into_par_iter().with_min_len(4096);
-        all.filter(|&face| operations.iter().any(|operation| (operation.concerns)(self, face))).collect()
+        all.filter(|&face| self.is_concerned(operations, face)).collect()
+    }
+
+    /// Whether an operation concerns a face; none does at a vertex of too high a valence, where each edit takes as long as many.
+    fn is_concerned(&self, operations: &[Operation], face: u32) -> bool {
+        operations.iter().any(|operation| (operation.concerns)(self, face))
+            && self.mesh.face(face).iter().all(|&v| self.mesh.around(v).len() <= MOST_VALENCE)
     }
 
     /// Makes the best edit about each face that an operation concerns, in rounds, until none gains.
@@ -348,7 +359,7 @@ impl<'a> Engine<'a> {
             }
             again.sort_unstable();
             again.dedup();
-            again.retain(|&face| operations.iter().any(|operation| (operation.concerns)(self, face)));
+            again.retain(|&face| self.is_concerned(operations, face));
             waiting = again;
         }
     }

@@ -7,6 +7,9 @@ use glam::DVec3;
 const QUAD_PRICE: f64 = 0.2;
 /// The most that the last vertex of a row can reduce the cost by.
 const LAST_VERTEX_REDUCTION: f64 = 2.0;
+/// The most vertices that a search for lines visits. A vertex of high valence lowers the cost of all lines through it, so that their
+/// cost alone does not bound their number.
+const MOST_VISITED: usize = 200;
 
 /// Limits of the rows that are proposed.
 #[derive(Clone, Copy)]
@@ -110,7 +113,7 @@ pub(super) fn insert_rows<'a>(
     limits: RowLimits,
     found: impl FnMut(f64, Edit<'a>) -> f64,
 ) {
-    let mut lines = Lines { edit, triangle, limits, line: Vec::new(), found };
+    let mut lines = Lines { edit, triangle, limits, line: Vec::new(), visited: 0, found };
     if edit.is_free(apex)
         && let Some(fan) = edit.fan(apex, triangle)
     {
@@ -124,6 +127,7 @@ struct Lines<'a, 'b, F> {
     triangle: u32,
     limits: RowLimits,
     line: Vec<Opening>,
+    visited: usize,
     found: F,
 }
 
@@ -131,9 +135,10 @@ impl<'a, F: FnMut(f64, Edit<'a>) -> f64> Lines<'a, '_, F> {
     /// Continues the line from a vertex between any two of its faces, `fan`, counter-clockwise; `cost` is the cost of the line
     /// up to the vertex.
     fn extend(&mut self, vertex: u32, fan: &[u32], cost: f64) {
-        if fan.len() < 2 {
+        if fan.len() < 2 || self.visited == MOST_VISITED {
             return;
         }
+        self.visited += 1;
         let cost = cost + QUAD_PRICE - self.edit.irregularity(vertex, 0);
         let halves = |right: usize, left: usize| {
             // Each copy gets a quad of the row, or a triangle that becomes one, on both sides.
