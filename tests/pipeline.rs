@@ -418,3 +418,33 @@ fn a_thin_wall_gets_smaller_tiles_and_a_thick_one_the_asked_count() {
         assert_eq!(vertices > 2 * asked, is_raised, "{thickness}: {vertices}");
     }
 }
+
+/// A torus whose points are moved along its normals by up to this share of its tube's radius, with a speck beside it.
+fn noisy_torus(amplitude: f64) -> Soup {
+    let mut soup = example("torus", 40_000);
+    for (k, point) in soup.points.iter_mut().enumerate() {
+        let p = DVec3::from(*point);
+        let middle = DVec3::new(p.x, p.y, 0.0).normalize();
+        let random = (k as f64 * 12.9898).sin() * 43_758.547;
+        *point = (middle + (p - middle) * (1.0 + amplitude * (2.0 * (random - random.floor()) - 1.0))).into();
+    }
+    let first = soup.points.len() as u32;
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    soup.points.extend(corners.map(|corner| corner.map(|x| 2.0 + 1e-3 * x)));
+    soup.triangles.extend([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].map(|face| face.map(|v| first + v)));
+    soup
+}
+
+#[test]
+fn the_field_of_a_noisy_surface_is_that_of_its_shape() {
+    let singularities = |every_crease: bool| {
+        let mut options = options();
+        options.features.every_crease = every_crease;
+        let outcome = meshed(&noisy_torus(0.02), &options);
+        (outcome.field.singularities(&outcome.surface).len(), outcome)
+    };
+    let (smooth, outcome) = singularities(false);
+    assert_clean(&outcome.meshed, "a noisy torus");
+    let (rough, _) = singularities(true);
+    assert!(smooth < 60 && rough > 4 * smooth.max(30), "{smooth} and {rough} singularities");
+}

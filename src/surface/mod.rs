@@ -294,7 +294,7 @@ impl Surface {
             {
                 break;
             }
-            self.points = denoise::smoothed(&self, f64::from(h), sides);
+            self.points = denoise::smoothed(&self, f64::from(h));
             self.denoised = Some(Denoised::of(&before, &self));
             self.features = Features::find(&self, options);
             self.drop_creases(options, f64::from(h), sides, progress);
