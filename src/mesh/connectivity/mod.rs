@@ -178,6 +178,9 @@ const LEAST_EXCESS: i64 = 2;
 const ALL_PRICE: f64 = 3.0;
 /// The least [`ConnectivityOptions::regularity`] with [`Quads::All`].
 const ALL_REGULARITY: f64 = 0.1;
+/// An edit makes no vertex of a higher valence, unless one near it had that before: collapses one after the other would gather the
+/// faces of a thin part at one vertex, with no fault and no shape.
+const HIGHEST_VALENCE: usize = 9;
 /// The highest valence of a vertex whose faces are edited.
 const MOST_VALENCE: usize = 64;
 /// Passes of shape matching before poor quads are recut.
@@ -380,8 +383,16 @@ impl<'a> Engine<'a> {
         })
     }
 
-    /// The evaluation of an edit after local relaxation; `None` where it adds a fault or leaves too small a shape.
+    /// The evaluation of an edit after local relaxation; `None` where it adds a fault, leaves too small a shape, or gathers too many
+    /// faces at a vertex.
     fn evaluate(&self, edit: &Edit) -> Option<Evaluation> {
+        let touched = edit.touched();
+        let before = Edit::new(self.mesh);
+        let highest_before = touched.iter().filter(|&&v| v < NEW).map(|&v| before.valence(v)).max();
+        let highest = touched.iter().map(|&v| edit.valence(v)).max();
+        if highest > highest_before.max(Some(HIGHEST_VALENCE)) {
+            return None;
+        }
         let relaxed = relaxed(self.context, edit, &self.measures, self.options.triangle_price);
         let (before, after) = (relaxed.before, relaxed.after);
         let least = self.options.least_shape.min((1.0 - SHAPE_TOLERANCE) * relaxed.least_before);
