@@ -283,9 +283,9 @@ impl Meshed {
         self.faults.list.len() + self.differences.len()
     }
 
-    /// Whether most faces were faults before the edits: the surface is broken, so that smaller tiles would not help.
+    /// Whether nearly all faces were faults before the edits: the surface is broken, so that smaller tiles would not help.
     fn is_hopeless(&self) -> bool {
-        self.edits.is_some_and(|edits| 2 * edits.faults_before > self.before.face_count())
+        self.edits.is_some_and(|edits| 10 * edits.faults_before > 9 * self.before.face_count())
     }
 
     /// The places of the faults and differences, in model units.
@@ -308,9 +308,9 @@ const UNTANGLING_ROUNDS: usize = 3;
 const REPEATS: usize = 5;
 /// A mesh that misses the wanted count by a larger share is made again.
 const COUNT_TOLERANCE: f64 = 0.02;
-/// A mesh that still has more than two thirds of the faults, and more than so many, is not made again.
+/// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where it still has more than two thirds of the faults,
+/// and more than so many, or is no better for so many times.
 const MANY: usize = 10;
-/// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where it is no better for so many times.
 const MOST_FUTILE: usize = 2;
 const LARGE: usize = 3_000;
 /// The most times of the asked count, or of [`FEW`] where that is more, to which this raises it.
@@ -383,7 +383,7 @@ fn improve(
             (latest, futile) = (Some(next.surface), futile + 1);
         }
         best.times = times;
-        if is_large && futile == MOST_FUTILE || after > MANY.max(2 * before / 3) {
+        if is_large && (futile == MOST_FUTILE || after > MANY.max(2 * before / 3)) {
             break;
         }
     }
