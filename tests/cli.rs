@@ -722,11 +722,50 @@ fn sizes_come_from_a_file_and_from_curvature() {
     assert!(said.contains("sizes.csv, line 2: the size -1 is not above 0"), "{said}");
 }
 
+const COMMANDS: [&str; 13] = [
+    "mesh",
+    "batch",
+    "field",
+    "mosaic",
+    "picture",
+    "study",
+    "example",
+    "check",
+    "view",
+    "serve",
+    "devices",
+    "completions",
+    "man",
+];
+
+#[test]
+fn completions_and_manual_know_every_subcommand() {
+    let desk = Desk::new();
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = desk.said(&["completions", shell]);
+        for word in COMMANDS.iter().chain(&["points", "refine-curvature"]) {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+        assert!(!script.contains("refine-nothing"));
+    }
+    assert!(desk.refusal(2, &["completions", "abacus"]).contains("abacus"));
+
+    desk.said(&["man", "-o", "pages"]);
+    let page = |name: &str| text(&desk.bytes(&format!("pages/quadmosaic{name}.1")));
+    for name in COMMANDS {
+        assert!(page("").contains(name), "{name}");
+        assert!(page(&format!("-{name}")).contains("SYNOPSIS"), "{name}");
+    }
+    assert!(page("-mesh").contains("refine\\-curvature") && !page("-check").contains("refine\\-curvature"));
+    desk.put("file", "");
+    assert!(desk.refusal(1, &["man", "-o", "file/pages"]).contains("file/pages"));
+}
+
 #[test]
 fn help_explains_every_subcommand() {
     let desk = Desk::new();
     let help = desk.said(&["--help"]);
-    for name in ["mesh", "field", "mosaic", "picture", "study", "example", "check", "view", "serve", "devices"] {
+    for name in COMMANDS {
         assert!(help.contains(&format!("\n  {name}")), "{help}");
         assert!(desk.said(&[name, "--help"]).contains("Usage: quadmosaic"));
     }

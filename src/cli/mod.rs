@@ -3,6 +3,7 @@
 mod backend;
 mod batch;
 mod check;
+mod completions;
 mod config;
 mod devices;
 mod example;
@@ -12,6 +13,7 @@ mod field_arguments;
 mod fineness;
 mod input;
 mod layout;
+mod man;
 mod mesh;
 mod mesh_output;
 mod method;
@@ -61,6 +63,8 @@ enum Command {
     Serve(Box<serve::Arguments>),
     /// Lists the GPU adapters of this machine, the best first
     Devices,
+    Completions(completions::Arguments),
+    Man(man::Arguments),
 }
 
 /// The exit code where `--strict` refuses a mesh.
@@ -118,5 +122,7 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::View(arguments) => view::run(&arguments),
         Command::Serve(arguments) => serve::run(*arguments),
         Command::Devices => devices::run(),
+        Command::Completions(arguments) => completions::run(&arguments),
+        Command::Man(arguments) => man::run(&arguments),
     }
 }
