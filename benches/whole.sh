@@ -39,21 +39,21 @@ timed() {
     fi
 }
 
+# The least, the median and the largest of numbers, one a line.
+spread() { sort -n | awk '{ x[NR] = $1 } END { print x[1], x[int((NR + 1) / 2)], x[NR] }'; }
+
 # The row's cells of a file that `timed` wrote.
 summary() {
-    awk '{ print $1, $2 + $3, $4 }' "$1" | sort -n | awk '
-        { wall[NR] = $1; cpu[NR] = $2; if ($3 > kilobytes) kilobytes = $3 }
-        END {
-            n = NR
-            for (i = 2; i <= n; i++) for (j = i; j > 1 && cpu[j] < cpu[j - 1]; j--) { c = cpu[j]; cpu[j] = cpu[j - 1]; cpu[j - 1] = c }
-            middle = int((n + 1) / 2)
-            printf "%.2f | %.2f to %.2f | %.2f | %.0f", wall[middle], wall[1], wall[n], cpu[middle], kilobytes / 1024
-        }'
+    local least median most cpu kilobytes
+    read -r least median most < <(cut -d' ' -f1 "$1" | spread)
+    read -r _ cpu _ < <(awk '{ print $2 + $3 }' "$1" | spread)
+    read -r _ _ kilobytes < <(cut -d' ' -f4 "$1" | spread)
+    printf '%.2f | %.2f to %.2f | %.2f | %d' "$median" "$least" "$most" "$cpu" $((kilobytes / 1024))
 }
 
 echo "$(nproc) cores, $(awk -F': ' '/model name/ { print $2; exit }' /proc/cpuinfo); $("$program" --version); load $(cut -d' ' -f1 /proc/loadavg)"
 echo
-echo "| surface, triangles | points | options | wall, s (median of $runs) | range, s | CPU, s | memory, MB |"
+echo "| surface, triangles | points | options | wall, s, median of $runs | range, s | CPU, s | memory, MB |"
 echo "|---|---|---|---|---|---|---|"
 while read -r name triangles points options; do
     if [ "$points" -gt "$most" ] || [ "$triangles" -gt $((20 * most)) ]; then continue; fi

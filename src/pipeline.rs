@@ -13,17 +13,23 @@
 //! Call [`run`] with [`Options::new`]. Then check [`Meshed::faults`] and [`Meshed::differences`]: a mesh with either is returned
 //! all the same.
 
+mod clock;
+mod error;
+mod improve;
 mod layout;
 mod prepare;
 mod symmetric;
 
+pub use error::{FinenessError, PipelineError};
 pub use layout::{Contradiction, Layout};
 pub use prepare::prepare;
 pub use symmetric::Symmetric;
 
+use self::clock::Clock;
+use self::improve::improve;
 use self::prepare::{Prepared, Sizing, prepared, repaired};
 use crate::compute::{Backend, ComputeError, Watched};
-use crate::field::{Align, Field, FieldOptions, Stretch, StretchError};
+use crate::field::{Align, Field, FieldOptions, Stretch};
 use crate::mesh::check::Faults;
 use crate::mesh::compare::Difference;
 use crate::mesh::connect::{ConnectOptions, connect};
@@ -38,14 +44,10 @@ use crate::mosaic::{self, Effort, Mosaic, MosaicBuilder};
 use crate::parametrize::Rows;
 use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
 use crate::progress::{Cancelled, Progress};
-use crate::sizes::{FEW, SizeOptions, Sizes, SizesError};
-use crate::surface::{
-    BoundaryError, FeatureOptions, KeptBoundary, NamedEdge, RepairOptions, Soup, Surface, SurfaceError,
-};
-use crate::symmetry::{Symmetry, SymmetryError};
-use std::iter::zip;
-use std::time::{Duration, Instant};
-use thiserror::Error;
+use crate::sizes::{SizeOptions, Sizes};
+use crate::surface::{FeatureOptions, KeptBoundary, NamedEdge, RepairOptions, Soup, Surface};
+use crate::symmetry::Symmetry;
+use std::time::Duration;
 
 pub use crate::progress::{Stage, Watch, unwatched};
 
@@ -132,100 +134,6 @@ impl Options {
     }
 }
 
-/// The reason why no mesh was made.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum PipelineError {
-    /// The surface cannot be meshed.
-    #[error(transparent)]
-    Surface(SurfaceError),
-    /// The backend failed.
-    #[error(transparent)]
-    Compute(ComputeError),
-    /// The surface has no symmetry as asked.
-    #[error(transparent)]
-    Symmetry(#[from] SymmetryError),
-    /// The boundary cannot be kept as asked.
-    #[error(transparent)]
-    Boundary(#[from] BoundaryError),
-    /// The wanted sizes are invalid.
-    #[error(transparent)]
-    Sizes(#[from] SizesError),
-    /// Tiles cannot have the wanted aspect.
-    #[error(transparent)]
-    Stretch(StretchError),
-    /// An option contradicts the layout.
-    #[error(transparent)]
-    Contradiction(#[from] Contradiction),
-    /// The wanted fineness is invalid.
-    #[error(transparent)]
-    Fineness(#[from] FinenessError),
-    /// The progress function cancelled the run.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-impl From<SurfaceError> for PipelineError {
-    fn from(error: SurfaceError) -> Self {
-        match error {
-            SurfaceError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            error => Self::Surface(error),
-        }
-    }
-}
-
-impl From<ComputeError> for PipelineError {
-    fn from(error: ComputeError) -> Self {
-        match error {
-            ComputeError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            error => Self::Compute(error),
-        }
-    }
-}
-
-impl From<StretchError> for PipelineError {
-    fn from(error: StretchError) -> Self {
-        match error {
-            StretchError::Compute(error) => error.into(),
-            error => Self::Stretch(error),
-        }
-    }
-}
-
-/// Why a surface cannot have a wanted fineness.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum FinenessError {
-    /// The number of vertices is none of [`POINTS`].
-    #[error("a mesh of {asked} points cannot be made; ask for {} to {}", POINTS.start(), POINTS.end())]
-    Points {
-        /// The number that was asked for.
-        asked: usize,
-    },
-    /// Tiles of the side are larger than the surface, or too many.
-    #[error("tiles of side {asked} cannot cover this surface; ask for {least:.3e} to {most:.3e}, its diagonal")]
-    Size {
-        /// The side that was asked for, in model units.
-        asked: f64,
-        /// The least side, in model units.
-        least: f64,
-        /// The diagonal of the surface, in model units.
-        most: f64,
-    },
-    /// Sizes are to give the number of vertices, and there are none.
-    #[error("no sizes are given; give some, or ask for a number of points")]
-    NoSizes,
-    /// The sizes give too many vertices.
-    #[error(
-        "the surface takes {count:.3e} tiles of the given sizes; ask for larger ones, in model units, so that {} are enough",
-        POINTS.end()
-    )]
-    SmallSizes {
-        /// The number of tiles.
-        count: f64,
-    },
-}
-
 /// The results of all stages. Coordinates are unit-sized, but for those of meshes, which are in model units.
 ///
 /// With [`Options::symmetry`] the mesh is that of the whole surface; surface, field, mosaic, triangulation and edits are those of the
@@ -267,55 +175,12 @@ pub struct Meshed {
     pub differences: Vec<Difference>,
 }
 
-impl Outcome {
-    /// The logarithm of the number of vertices over the wanted one; 0 where no number is asked for.
-    fn miss(&self, options: &Options) -> f64 {
-        match options.fineness {
-            Fineness::Points(_) => (self.meshed.mesh.points.len().max(1) as f64 / self.mosaic.wanted as f64).ln(),
-            Fineness::Size(_) | Fineness::Sampled => 0.0,
-        }
-    }
-}
-
-impl Meshed {
-    /// The number of faults and differences.
-    fn wrong(&self) -> usize {
-        self.faults.list.len() + self.differences.len()
-    }
-
-    /// Whether nearly all faces were faults before the edits: the surface is broken, so that smaller tiles would not help.
-    fn is_hopeless(&self) -> bool {
-        self.edits.is_some_and(|edits| 10 * edits.faults_before > 9 * self.before.face_count())
-    }
-
-    /// The places of the faults and differences, in model units.
-    fn faulty_places(&self) -> Vec<[f64; 3]> {
-        let of_differences = self.differences.iter().filter_map(|difference| match *difference {
-            Difference::Uncovered { at, .. } | Difference::KeptBoundary { at, .. } => Some(at),
-            _ => None,
-        });
-        self.faults.list.iter().map(|fault| fault.at).chain(of_differences).collect()
-    }
-}
-
 /// The least [`ConnectivityOptions::regularity`] where rows are continuous.
 const CONTINUOUS_REGULARITY: f64 = 1.0;
 /// The least number of sweeps of a field that sides follow: sides fit a harmonic angle best.
 const HARMONIC_SWEEPS: u32 = 150;
 /// The most rounds of untangling and relocation.
 const UNTANGLING_ROUNDS: usize = 3;
-/// The most times that a mesh is made again, for its faults or its count.
-const REPEATS: usize = 5;
-/// A mesh that misses the wanted count by a larger share is made again.
-const COUNT_TOLERANCE: f64 = 0.02;
-/// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where it still has more than two thirds of the faults,
-/// and more than so many, or is no better for so many times.
-const MANY: usize = 10;
-const MOST_FUTILE: usize = 2;
-const LARGE: usize = 3_000;
-/// The most times of the asked count, or of [`FEW`] where that is more, to which this raises it.
-const MOST_RAISED: usize = 12;
-
 /// The numbers of vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 
@@ -340,56 +205,6 @@ pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch)
     improve(first, sizing, options, backend, progress)
 }
 
-/// Makes a mesh again that has faults, with smaller tiles there, or misses the count, with more tiles or fewer; returns the best one.
-fn improve(
-    mut best: Outcome,
-    mut sizing: Sizing,
-    options: &Options,
-    backend: &dyn Backend,
-    progress: &Progress,
-) -> Result<Outcome, PipelineError> {
-    let (mut places, mut miss) = (best.meshed.faulty_places(), best.miss(options));
-    // The surface of the latest mesh, where that is not the best one.
-    let mut latest = None;
-    let mut futile = 0;
-    for _ in 0..REPEATS {
-        let is_off = miss.abs() > COUNT_TOLERANCE;
-        // For the count alone one correction is enough, or does not help.
-        if places.is_empty() && !(is_off && sizing.aim == 1.0) || best.meshed.is_hopeless() {
-            break;
-        }
-        let mut clock = Clock::new(progress);
-        clock.begin(Stage::Surface)?;
-        let surface = latest.take().unwrap_or_else(|| best.surface.clone());
-        if !places.is_empty() {
-            sizing = sizing.refined(&surface, &places)?;
-        }
-        if is_off {
-            sizing.aim *= (-miss).exp();
-        }
-        let prepared = sizing.sized(surface, options, progress)?;
-        if prepared.count > MOST_RAISED * prepared.sizing.count.max(FEW) {
-            break;
-        }
-        let (corrected, next) = attempt(prepared, options, backend, clock)?;
-        let times = zip(&best.times, &next.times).map(|(spent, more)| (spent.0, spent.1 + more.1)).collect();
-        let (before, after) = (best.meshed.wrong(), next.meshed.wrong());
-        let is_large = next.meshed.mesh.points.len() > LARGE;
-        (sizing, places, miss) = (corrected, next.meshed.faulty_places(), next.miss(options));
-        let rank = |wrong: usize, miss: f64| (wrong, miss.abs().max(COUNT_TOLERANCE));
-        if rank(after, miss) < rank(before, best.miss(options)) {
-            (best, futile) = (next, 0);
-        } else {
-            (latest, futile) = (Some(next.surface), futile + 1);
-        }
-        best.times = times;
-        if is_large && (futile == MOST_FUTILE || after > MANY.max(2 * before / 3)) {
-            break;
-        }
-    }
-    Ok(best)
-}
-
 fn attempt<'a>(
     prepared: Prepared<'a>,
     options: &Options,
@@ -405,8 +220,7 @@ fn attempt<'a>(
 
     clock.begin(Stage::Mosaic)?;
     let advance = |share| progress.advance(share);
-    let builder = builder(&surface, &field, backend, options, &advance);
-    let mosaic = laid(&MosaicBuilder { first_scale: sizing.first_scale, ..builder }, aim, options)?;
+    let mosaic = lay_from(&surface, &field, backend, aim, options, sizing.first_scale, &advance)?;
     let mosaic = Mosaic { wanted: count, ..mosaic };
     sizing.first_scale = f64::from(mosaic.scale / field.sizes().side_for_count(&surface, aim));
 
@@ -562,55 +376,21 @@ pub fn lay(
     options: &Options,
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
-    laid(&builder(surface, field, backend, options, progress), count, options)
+    lay_from(surface, field, backend, count, options, 1.0, progress)
 }
 
-fn builder<'a>(
-    surface: &'a Surface,
-    field: &'a Field,
-    backend: &'a dyn Backend,
+/// As [`lay`]; `first_scale` is [`MosaicBuilder::first_scale`].
+fn lay_from(
+    surface: &Surface,
+    field: &Field,
+    backend: &dyn Backend,
+    count: usize,
     options: &Options,
-    progress: &'a dyn Fn(f32),
-) -> MosaicBuilder<'a> {
+    first_scale: f64,
+    progress: &dyn Fn(f32),
+) -> Result<Mosaic, ComputeError> {
     let (effort, rows) = (Effort::default(), options.rows);
-    MosaicBuilder { surface, field, backend, effort, rows, first_scale: 1.0, progress }
-}
-
-fn laid(builder: &MosaicBuilder, count: usize, options: &Options) -> Result<Mosaic, ComputeError> {
-    let is_absolute = !matches!(options.fineness, Fineness::Points(_)) && !builder.field.sizes().is_equal();
+    let builder = MosaicBuilder { surface, field, backend, effort, rows, first_scale, progress };
+    let is_absolute = !matches!(options.fineness, Fineness::Points(_)) && !field.sizes().is_equal();
     if is_absolute { builder.at_scale_for(count) } else { builder.with_count(count) }
-}
-
-/// Measures the times of stages and reports their progress.
-struct Clock<'a> {
-    progress: &'a Progress<'a>,
-    times: Vec<(Stage, Duration)>,
-    started: Instant,
-}
-
-impl<'a> Clock<'a> {
-    fn new(progress: &'a Progress<'a>) -> Self {
-        Self { progress, times: Vec::new(), started: Instant::now() }
-    }
-
-    fn begin(&mut self, stage: Stage) -> Result<(), Cancelled> {
-        self.end()?;
-        self.times.push((stage, Duration::ZERO));
-        self.progress.report(stage, 0.0)
-    }
-
-    fn end(&mut self) -> Result<(), Cancelled> {
-        let now = Instant::now();
-        if let Some((stage, time)) = self.times.last_mut() {
-            *time = now - self.started;
-            self.progress.report(*stage, 1.0)?;
-        }
-        self.started = now;
-        Ok(())
-    }
-
-    fn finish(mut self) -> Result<Vec<(Stage, Duration)>, Cancelled> {
-        self.end()?;
-        Ok(self.times)
-    }
 }

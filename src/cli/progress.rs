@@ -21,6 +21,7 @@ impl Progress {
         self.bar.set_position((100.0 * share) as u64);
         ControlFlow::Continue(())
     }
+
     /// Takes the bar away.
     pub fn end(&self) {
         self.bar.finish_and_clear();

@@ -44,10 +44,6 @@ const AT_END: f64 = 5e-3;
 /// inside.
 const ALL_ROUND: u32 = 5;
 
-/// A curve on which the parametrization has more than so many times the tiles that fit, and so many more, is sampled evenly: on a loop
-/// far shorter than a tile rows that pass beside it add up.
-const MOST_DENSE: f64 = 3.0;
-
 /// The samples of the features at the scale `h`, and the tiles on their sides.
 pub fn sample_features(
     surface: &Surface,
@@ -86,20 +82,16 @@ pub fn sample_features(
                 2
             }
         };
-        let range = curve_parameters.ranges.get(&path.key(surface)).copied();
-        let fitting = path.length / f64::from(h);
-        let most = if range.is_some() { f64::INFINITY } else { MOST_DENSE * fitting + MOST_DENSE };
-        let is_sound = |count: usize| count >= least && count as f64 <= most;
         let parameters = match samples.intervals(surface, &path) {
             Some(intervals) => path.even(intervals),
             None => match curve_parameters.at_vertices.get(&path.key(surface)) {
-                Some(parameters) if is_sound(intervals(parameters) * curve_parameters.factor) => {
+                Some(parameters) if intervals(parameters) * curve_parameters.factor >= least => {
                     parameters.iter().map(|x| x * curve_parameters.factor as f64).collect()
                 }
-                _ => path.even((fitting.round() as usize).max(least)),
+                _ => path.even(((path.length / f64::from(h)).round() as usize).max(least)),
             },
         };
-        samples.along(surface, &path, h, &parameters, range);
+        samples.along(surface, &path, h, &parameters, curve_parameters.ranges.get(&path.key(surface)).copied());
     }
     let mut tiles = Vec::with_capacity(2 * samples.list.len());
     let mut feature_samples = Vec::with_capacity(samples.list.len());

@@ -181,8 +181,6 @@ const ALL_REGULARITY: f64 = 0.1;
 /// An edit makes no vertex of a higher valence, unless one near it had that before: collapses one after the other would gather the
 /// faces of a thin part at one vertex, with no fault and no shape.
 const HIGHEST_VALENCE: usize = 9;
-/// The highest valence of a vertex whose faces are edited.
-const MOST_VALENCE: usize = 64;
 /// Passes of shape matching before poor quads are recut.
 const PASSES: usize = 2;
 /// The least gain of an edit.
@@ -308,13 +306,7 @@ impl<'a> Engine<'a> {
     /// The faces that an operation concerns, in order.
     fn concerned(&self, operations: &[Operation]) -> Vec<u32> {
         let all = (0..self.mesh.face_bound() as u32).into_par_iter().with_min_len(4096);
-        all.filter(|&face| self.is_concerned(operations, face)).collect()
-    }
-
-    /// Whether an operation concerns a face; none does at a vertex of too high a valence, where each edit takes as long as many.
-    fn is_concerned(&self, operations: &[Operation], face: u32) -> bool {
-        operations.iter().any(|operation| (operation.concerns)(self, face))
-            && self.mesh.face(face).iter().all(|&v| self.mesh.around(v).len() <= MOST_VALENCE)
+        all.filter(|&face| operations.iter().any(|operation| (operation.concerns)(self, face))).collect()
     }
 
     /// Makes the best edit about each face that an operation concerns, in rounds, until none gains.
@@ -362,7 +354,7 @@ impl<'a> Engine<'a> {
             }
             again.sort_unstable();
             again.dedup();
-            again.retain(|&face| self.is_concerned(operations, face));
+            again.retain(|&face| operations.iter().any(|operation| (operation.concerns)(self, face)));
             waiting = again;
         }
     }

@@ -13,8 +13,6 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 /// The number of rings of faces about the changed faces in the patch; vertices inside it move.
 const RINGS: usize = 2;
-/// A patch of more faces has no further ring: vertices of high valence have rings as large as the mesh.
-const MOST_FACES: usize = 200;
 /// Sweeps over the vertices.
 const SWEEPS: usize = 6;
 /// The relaxation factor of a sweep.
@@ -102,9 +100,6 @@ impl<'a> Patch<'a> {
             }
             if ring == 0 {
                 first_ring = faces.len();
-            }
-            if faces.len() > MOST_FACES {
-                break;
             }
         }
         let corners: Vec<Vec<usize>> =
