@@ -352,9 +352,9 @@ def test_options_are_those_of_the_library_and_keywords() -> None:
 
 
 def test_memory_and_time_are_limited() -> None:
-    with pytest.raises(MemoryError, match="more than the limit of 20.0 MB; [0-9]+ points would fit"):
+    with pytest.raises(MemoryError, match="more than the limit of 20.00 MB; [0-9]+ points would fit"):
         mesh(CORNERS, CUBE, points=100_000, max_memory="20M")
-    with pytest.raises(MemoryError, match="limit of 20.0 MB"):
+    with pytest.raises(MemoryError, match="limit of 20.00 MB"):
         mesh(CORNERS, CUBE, points=100_000, max_memory=20 * 1024**2)
     with pytest.raises(TimeoutError, match="there is no mesh yet after 0.000001 s"):
         mesh(CORNERS, CUBE, time_limit=1e-6)
