@@ -188,6 +188,9 @@ const CONTINUOUS_REGULARITY: f64 = 1.0;
 const HARMONIC_SWEEPS: u32 = 150;
 /// The most rounds of untangling and relocation.
 const UNTANGLING_ROUNDS: usize = 3;
+/// A surface whose triangles, once those that are long are divided, are more than so many a tile is coarsened: the time grows with
+/// them, and tiles do not need them.
+const MOST_PARTS: usize = 8;
 /// The numbers of vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 

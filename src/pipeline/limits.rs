@@ -1,7 +1,6 @@
 //! The memory and the time that a run may take.
 
-use super::POINTS;
-use super::prepare::MOST_PARTS;
+use super::{MOST_PARTS, POINTS};
 use crate::mosaic::Effort;
 use crate::progress::Late;
 use std::ops::RangeInclusive;

@@ -1,6 +1,6 @@
 //! The surface as the tiles need it: its features, the sizes of tiles and their number.
 
-use super::{Fineness, FinenessError, Options, POINTS, PipelineError, unwatched};
+use super::{Fineness, FinenessError, MOST_PARTS, Options, POINTS, PipelineError, unwatched};
 use crate::field::StretchError;
 use crate::mosaic;
 use crate::progress::Progress;
@@ -9,10 +9,6 @@ use crate::surface::{BoundaryError, Soup, Surface};
 
 /// The most rounds in which the surface is divided where sizes, known at vertices, are small.
 const SIZE_ROUNDS: usize = 4;
-
-/// A surface whose triangles, once those that are long are divided, are more than so many a tile is coarsened: the time grows with
-/// them, and tiles do not need them.
-pub(super) const MOST_PARTS: usize = 8;
 
 /// A surface that can carry its tiles.
 pub(super) struct Prepared<'a> {
