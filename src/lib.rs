@@ -27,6 +27,7 @@
 //! | give sizes | [`sizes::SizeOptions`], `examples/sizes.rs` |
 //! | mesh many surfaces, on several threads | [`Mesher`], `examples/many.rs` |
 //! | see the progress, cancel a run | [`Mesher::mesh_watched`] |
+//! | limit memory and time | [`Options::limits`](Options#structfield.limits) |
 //! | judge the mesh | [`pipeline::Meshed`], [`Report`], [`Report::warnings`](report::Report#method.warnings) |
 //! | write the mesh | [`export::write_mesh`] |
 //! | write a page to look at it and to draw on it | `page::Page` |

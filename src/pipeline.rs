@@ -17,17 +17,19 @@ mod clock;
 mod error;
 mod improve;
 mod layout;
+mod limits;
 mod prepare;
 mod symmetric;
 
 pub use error::{FinenessError, PipelineError};
 pub use layout::{Contradiction, Layout};
+pub use limits::{Fits, LimitError, Limits, predicted_memory};
 pub use prepare::prepare;
 pub use symmetric::Symmetric;
 
 use self::clock::Clock;
 use self::improve::improve;
-use self::prepare::{Prepared, Sizing, prepared, repaired};
+use self::prepare::{Prepared, Sizing, approximate_count, prepared, repaired};
 use crate::compute::{Backend, ComputeError, Watched};
 use crate::field::{Align, Field, FieldOptions, Stretch};
 use crate::mesh::check::Faults;
@@ -49,7 +51,7 @@ use crate::surface::{FeatureOptions, KeptBoundary, NamedEdge, RepairOptions, Sou
 use crate::symmetry::Symmetry;
 use std::time::Duration;
 
-pub use crate::progress::{Stage, Watch, unwatched};
+pub use crate::progress::{Late, Stage, Watch, unwatched};
 
 /// The fineness of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,6 +103,8 @@ pub struct Options {
     pub connectivity: Option<ConnectivityOptions>,
     /// Passes of relocation. Default 6; 0: vertices stay where the tiles were.
     pub smoothing: usize,
+    /// The memory and the time that [`run`] may take. Default: any.
+    pub limits: Limits,
 }
 
 impl Options {
@@ -124,6 +128,7 @@ impl Options {
             holes: Holes::default(),
             connectivity: Some(ConnectivityOptions::default()),
             smoothing: 6,
+            limits: Limits::default(),
         }
     }
 
@@ -153,6 +158,8 @@ pub struct Outcome {
     pub symmetry: Option<Symmetric>,
     /// The time of each stage.
     pub times: Vec<(Stage, Duration)>,
+    /// Where the time limit ended the run; `None` where it came to its end.
+    pub late: Option<Late>,
 }
 
 /// The results of the stages from [`Stage::Connect`] on.
@@ -181,6 +188,9 @@ const CONTINUOUS_REGULARITY: f64 = 1.0;
 const HARMONIC_SWEEPS: u32 = 150;
 /// The most rounds of untangling and relocation.
 const UNTANGLING_ROUNDS: usize = 3;
+/// A surface whose triangles, once those that are long are divided, are more than so many a tile is coarsened: the time grows with
+/// them, and tiles do not need them.
+const MOST_PARTS: usize = 8;
 /// The numbers of vertices that can be asked for.
 pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 
@@ -190,19 +200,39 @@ pub const POINTS: std::ops::RangeInclusive<usize> = 4..=50_000_000;
 /// A mesh with faults is made again, with smaller tiles there; one that misses the count, with more tiles or fewer.
 ///
 /// # Errors
-/// Where the surface cannot be meshed, the options are invalid, the backend fails, or `watch` cancels the run.
+/// Where the surface cannot be meshed, the options are invalid, the backend fails, `watch` cancels the run, or a limit is too tight for
+/// any mesh.
 pub fn run(soup: &Soup, options: &Options, backend: &dyn Backend, watch: &Watch) -> Result<Outcome, PipelineError> {
     Contradiction::expect_none(options)?;
-    if let Some(symmetry) = options.symmetry {
-        return symmetric::run_symmetric(soup, symmetry, options, backend, watch);
+    options.limits.expect_memory(soup.triangles.len(), approximate_count(soup, options))?;
+    let progress = &Progress::new(watch).within(options.limits.time);
+    let done = match options.symmetry {
+        Some(symmetry) => symmetric::run_symmetric(soup, symmetry, options, backend, progress),
+        None => run_watched(soup, options, backend, progress),
+    };
+    match (done, progress.late()) {
+        (Err(PipelineError::Cancelled(_)), Some(late)) => Err(LimitError::Time(late).into()),
+        (done, late) => Ok(Outcome { late, ..done? }),
     }
-    let progress = &Progress::new(watch);
+}
+
+/// As [`run`], without symmetry.
+fn run_watched(
+    soup: &Soup,
+    options: &Options,
+    backend: &dyn Backend,
+    progress: &Progress,
+) -> Result<Outcome, PipelineError> {
     let backend = &Watched { backend, progress };
     let mut clock = Clock::new(progress);
     clock.begin(Stage::Surface)?;
     let prepared = prepared(repaired(soup, options, progress)?, options, progress)?;
-    let (sizing, first) = attempt(prepared, options, backend, clock)?;
-    improve(first, sizing, options, backend, progress)
+    options.limits.expect_memory(soup.triangles.len(), prepared.count)?;
+    let (sizing, mut best) = attempt(prepared, options, backend, clock)?;
+    match improve(&mut best, sizing, options, backend, progress) {
+        Err(PipelineError::Cancelled(_)) if progress.late().is_some() => Ok(best),
+        improved => improved.map(|()| best),
+    }
 }
 
 fn attempt<'a>(
@@ -232,7 +262,7 @@ fn attempt<'a>(
     let meshed = meshed(context, &mosaic, &triangulation, options, &mut clock)?;
 
     let times = clock.finish()?;
-    Ok((sizing, Outcome { surface, field, mosaic, triangulation, meshed, symmetry: None, times }))
+    Ok((sizing, Outcome { surface, field, mosaic, triangulation, meshed, symmetry: None, times, late: None }))
 }
 
 /// The stages of [`run`] from [`Stage::Connect`] on, for tiles that are triangulated already.
@@ -262,12 +292,13 @@ fn meshed(
     clock.begin(Stage::Fill)?;
     let (mut mesh, holes) = fill(&context, triangulation, &edges, options.holes);
     let before = joined(&context, &mesh, triangulation);
+    clock.progress.check()?;
 
-    clock.begin(Stage::Connectivity)?;
+    clock.begin_improving(Stage::Connectivity)?;
     let connectivity = connectivity(options, &before, mosaic);
     let mut edits = connectivity.map(|connectivity| optimise(&context, &mut mesh, &connectivity));
 
-    clock.begin(Stage::Relocate)?;
+    clock.begin_improving(Stage::Relocate)?;
     relocate(&context, &mut mesh, options.smoothing);
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits) {
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
@@ -292,6 +323,10 @@ fn meshed(
     }
 
     clock.begin(Stage::Finish)?;
+    if clock.progress.late().is_some() {
+        // The search for them was ended too.
+        opposed = mesh.opposed_faces(&context);
+    }
     let Finished { mesh, vertices, branches, faults, differences } =
         finish(&context, &mesh, &opposed, mosaic, triangulation);
     Ok(Meshed { before, holes, edits, mesh, vertices, branches, faults, differences })

@@ -1,8 +1,9 @@
-//! Progress of a run, and its cancellation.
+//! Progress of a run, its cancellation and its time limit.
 //!
 //! # Practice
 //! Long loops ask [`Progress::is_cancelled`] once an element, from any thread: it calls the user's function only where that was not
-//! called for [`INTERVAL`]. A cancelled loop ends early and leaves valid data; the next [`Progress::begin`] is the error.
+//! called for [`INTERVAL`]. A cancelled loop ends early and leaves valid data; the next [`Progress::report`] is the error. A run whose time
+//! is over is cancelled likewise, but not in the stage [`Stage::Finish`], which a mesh needs.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -82,39 +83,81 @@ pub(crate) const ASKED_EVERY: usize = 1024;
 /// The time between two calls of the user's function within a stage.
 const INTERVAL: Duration = Duration::from_millis(10);
 
+/// A run whose time was over before its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Late {
+    /// The time that it had.
+    pub limit: Duration,
+    /// The stage that it was in.
+    pub stage: Stage,
+    /// The time that this stage had taken.
+    pub taken: Duration,
+}
+
 /// The progress of one run.
 pub(crate) struct Progress<'a> {
     watch: &'a Watch<'a>,
+    limit: Option<Duration>,
     started: Instant,
     /// The time of the last call, in microseconds after the start.
     called: AtomicU64,
-    state: Mutex<(Stage, f32)>,
+    state: Mutex<State>,
     is_cancelled: AtomicBool,
+}
+
+struct State {
+    stage: Stage,
+    share: f32,
+    /// The beginning of the stage.
+    begun: Instant,
+    /// Where the time was over first; `None` where the user cancelled the run.
+    late: Option<Late>,
 }
 
 impl<'a> Progress<'a> {
     pub fn new(watch: &'a Watch<'a>) -> Self {
+        let started = Instant::now();
         Self {
             watch,
-            started: Instant::now(),
+            limit: None,
+            started,
             called: AtomicU64::new(0),
-            state: Mutex::new((Stage::Surface, 0.0)),
+            state: Mutex::new(State { stage: Stage::Surface, share: 0.0, begun: started, late: None }),
             is_cancelled: AtomicBool::new(false),
         }
     }
 
+    /// The same progress for a run that may take so long from its start.
+    pub fn within(self, limit: Option<Duration>) -> Self {
+        Self { limit, ..self }
+    }
+
+    /// Where the time was over first; `None` where it was not, or the user cancelled the run.
+    pub fn late(&self) -> Option<Late> {
+        self.state().late
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Reports the share of a stage that is done.
     pub fn report(&self, stage: Stage, share: f32) -> Result<(), Cancelled> {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        *state = (stage, share);
+        let mut state = self.state();
+        let State { begun, late, .. } = *state;
+        let begun = if state.stage == stage { begun } else { Instant::now() };
+        *state = State { stage, share, begun, late };
+        if stage == Stage::Finish && late.is_some() {
+            self.is_cancelled.store(false, Ordering::Relaxed);
+        }
         self.call(state);
         self.check()
     }
 
     /// Reports the share of the present stage that is done.
     pub fn advance(&self, share: f32) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        state.1 = share;
+        let mut state = self.state();
+        state.share = share;
         self.call(state);
     }
 
@@ -138,10 +181,17 @@ impl<'a> Progress<'a> {
         self.started.elapsed().as_micros() as u64
     }
 
-    fn call(&self, state: MutexGuard<(Stage, f32)>) {
-        let (stage, share) = *state;
-        if !self.is_cancelled.load(Ordering::Relaxed) && (self.watch)(stage, share).is_break() {
-            self.is_cancelled.store(true, Ordering::Relaxed);
+    fn call(&self, mut state: MutexGuard<State>) {
+        let State { stage, share, begun, .. } = *state;
+        if !self.is_cancelled.load(Ordering::Relaxed) {
+            let is_broken = (self.watch)(stage, share).is_break();
+            let over = self.limit.filter(|limit| stage != Stage::Finish && self.started.elapsed() >= *limit);
+            match over {
+                _ if is_broken => state.late = None,
+                Some(limit) => _ = state.late.get_or_insert(Late { limit, stage, taken: begun.elapsed() }),
+                None => {}
+            }
+            self.is_cancelled.store(is_broken || over.is_some(), Ordering::Relaxed);
         }
         self.called.store(self.now(), Ordering::Relaxed);
     }

@@ -70,6 +70,9 @@ pub struct Report {
     pub differences: Vec<Difference>,
     /// The options that had no effect.
     pub ineffective: Vec<Ineffective>,
+    /// The stage that the time limit ended, and the time that it had taken; absent where the run came to its end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub late: Option<Time>,
     /// The time of each stage, in order.
     pub times: Vec<Time>,
     /// The time of all stages, in milliseconds.
@@ -323,6 +326,7 @@ impl Report {
             edits: meshed.edits,
             faults: meshed.faults.clone(),
             differences: meshed.differences.clone(),
+            late: outcome.late.map(|late| Time::new(late.stage.name(), late.taken)),
             total_milliseconds: total(&times),
             times,
         }

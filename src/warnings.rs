@@ -3,7 +3,7 @@
 use crate::export::Format;
 use crate::field::{GuideReport, StretchReport};
 use crate::pipeline::Options;
-use crate::report::{Asked, Input, Report, SymmetryFigures};
+use crate::report::{Asked, Input, Report, SymmetryFigures, Time};
 use crate::surface::{AttributeKind, Attributes, NearRims, Places, Soup, shown};
 use crate::symmetry::find::NEARLY;
 
@@ -13,7 +13,7 @@ const COUNT_TOLERANCE: f64 = 0.05;
 impl Report {
     /// What a user should know of the run, a sentence each: guides without full effect, tiles without the wanted aspect, repairs that
     /// show in the mesh, sheets that touch or cross, a number of vertices that misses the wanted one, a kept boundary that leaves
-    /// triangles, and options without effect. What is wrong with the mesh itself is in [`Report::wrong`].
+    /// triangles, a time limit that ended the run, and options without effect. What is wrong with the mesh itself is in [`Report::wrong`].
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = of_guides(&self.field.guides);
         warnings.extend(of_stretch(self.field.stretch.as_ref()));
@@ -21,6 +21,7 @@ impl Report {
         warnings.extend(self.symmetry.iter().flat_map(of_symmetry));
         warnings.extend(self.count_warning());
         warnings.extend(self.odd_boundary_warning());
+        warnings.extend(self.late_warning());
         warnings.extend(self.ineffective.iter().map(ToString::to_string));
         warnings
     }
@@ -42,6 +43,14 @@ impl Report {
                  remove one"
             )
         })
+    }
+
+    /// That the mesh is not as good as it could be, as the time was over.
+    pub fn late_warning(&self) -> Option<String> {
+        let Time { stage, .. } = self.late.as_ref()?;
+        Some(format!(
+            "the time limit ended the run in the stage {stage}: this is the best mesh so far; allow more time"
+        ))
     }
 
     fn count_warning(&self) -> Option<String> {

@@ -181,6 +181,8 @@ def mesh(
     quads: Optional[str] = None,
     no_cleanup: bool = False,
     smoothing: Optional[int] = None,
+    max_memory: Union[int, str, None] = None,
+    time_limit: Optional[float] = None,
     backend: str = "auto",
     adapter: Optional[str] = None,
     threads: int = 0,
@@ -195,6 +197,9 @@ def mesh(
     vertices of the boundary, a number points about so far apart on it.
 
     preset, layout: options that are set together; others override what they set. What contradicts a layout is refused.
+
+    max_memory: bytes, or text as "2G"; MemoryError where the run is predicted to need more. time_limit: seconds, after which the best mesh so
+    far is the result, with a warning; TimeoutError where there is none yet.
 
     The other options are those of `quadmosaic mesh`, with _ for -; None is the default there. All threads of a process share its
     backends, each of which is made once.

@@ -1,10 +1,13 @@
 //! Python's exceptions for the library's errors.
 
 use pyo3::create_exception;
-use pyo3::exceptions::{PyException, PyFileNotFoundError, PyOSError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{
+    PyException, PyFileNotFoundError, PyMemoryError, PyOSError, PyRuntimeError, PyTimeoutError, PyValueError,
+};
 use pyo3::prelude::*;
 use quadmosaic::PipelineError;
 use quadmosaic::export::WriteError;
+use quadmosaic::pipeline::LimitError;
 use quadmosaic::surface::SurfaceError as Fault;
 use quadmosaic::surface::load::{LoadError, Place};
 use std::fmt::Display;
@@ -77,6 +80,8 @@ pub fn of_pipeline(error: PipelineError) -> PyErr {
         }
         PipelineError::Surface(_) => surface_error(text, None, None),
         PipelineError::Cancelled(_) => Cancelled::new_err(text),
+        PipelineError::Limit(LimitError::Memory { .. }) => PyMemoryError::new_err(text),
+        PipelineError::Limit(LimitError::Time(_)) => PyTimeoutError::new_err(text),
         PipelineError::Compute(_) => PyRuntimeError::new_err(text),
         _ => of_text(text),
     }

@@ -3,7 +3,7 @@
 use crate::error::of_value;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use quadmosaic::options::{ValueError, up_to};
+use quadmosaic::options::{self, ValueError};
 use quadmosaic::pipeline::{Stage, Watch};
 use quadmosaic::{Mesher, PipelineError};
 use std::collections::BTreeMap;
@@ -56,7 +56,7 @@ impl Machine {
         work: impl FnOnce() -> Result<T, PipelineError> + Send,
     ) -> PyResult<Result<T, PipelineError>> {
         let threads = &self.2;
-        let count = up_to::<1024>(threads);
+        let count = options::threads(threads);
         let count = count.map_err(|fault| of_value(format!("invalid value '{threads}' for threads: {fault}")))?;
         if count == 0 {
             return Ok(work());

@@ -351,6 +351,18 @@ def test_options_are_those_of_the_library_and_keywords() -> None:
         mesh(CORNERS, CUBE, layers=3)
 
 
+def test_memory_and_time_are_limited() -> None:
+    with pytest.raises(MemoryError, match="more than the limit of 20.00 MB; [0-9]+ points would fit"):
+        mesh(CORNERS, CUBE, points=100_000, max_memory="20M")
+    with pytest.raises(MemoryError, match="limit of 20.00 MB"):
+        mesh(CORNERS, CUBE, points=100_000, max_memory=20 * 1024**2)
+    with pytest.raises(TimeoutError, match="there is no mesh yet after 0.000001 s"):
+        mesh(CORNERS, CUBE, time_limit=1e-6)
+    with pytest.raises(ValueError, match="invalid value 'much' for max_memory: write a number of bytes"):
+        mesh(CORNERS, CUBE, max_memory="much")
+    assert np.array_equal(mesh(CORNERS, CUBE, max_memory="1G", time_limit=600).quads, mesh(CORNERS, CUBE).quads)
+
+
 def test_layouts_and_presets_are_overridden() -> None:
     quads = mesh(CORNERS, CUBE, layout="quads")
     assert np.array_equal(quads.quads, mesh(CORNERS, CUBE, quads="all", fit=1, rows="continuous").quads)

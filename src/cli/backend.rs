@@ -4,7 +4,7 @@ use super::output::warn;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use quadmosaic::Mesher;
-use quadmosaic::options::up_to;
+use quadmosaic::options::threads;
 
 /// The wanted backend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -29,8 +29,8 @@ pub struct Machine {
     adapter: Option<String>,
     /// Threads on the CPU, up to 1024; 0: as many as there are cores
     ///
-    /// The result is the same for any number
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1024>, help_heading = "Machine")]
+    /// No more are started than there are cores. The result is the same for any number
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads, help_heading = "Machine")]
     threads: usize,
 }
 

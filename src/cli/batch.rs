@@ -80,7 +80,7 @@ struct Row {
     mesh: String,
     /// `ok`, `wrong`: the mesh has a fault or a difference, or `failed`: there is no mesh.
     status: String,
-    /// What is wrong.
+    /// What is wrong, or could be better with more time.
     message: String,
     vertices: usize,
     quads: usize,
@@ -240,7 +240,7 @@ impl Item {
             surface: self.name.clone(),
             mesh: file.to_owned(),
             status: if wrong.is_some() { WRONG } else { OK }.to_owned(),
-            message: wrong.unwrap_or_default(),
+            message: wrong.into_iter().chain(report.late_warning()).collect::<Vec<_>>().join("; "),
             vertices: quality.vertices,
             quads: quality.quads,
             triangles: quality.triangles,

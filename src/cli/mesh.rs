@@ -14,7 +14,7 @@ use quadmosaic::export::MeshFile;
 use quadmosaic::page::write_page;
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
 use quadmosaic::surface::AttributeKind;
-use quadmosaic::warnings;
+use quadmosaic::{Options, Outcome, Report, Soup, warnings};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -102,15 +102,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     written?;
     let report =
         report.with_times(&[("read", reading), ("device", opening)], &[("measure", measuring), ("write", writing)]);
-    if let Some(path) = &arguments.picture {
-        write_picture(path, &mesh_scene(&outcome.meshed.mesh, Paint::Sides), &View::default(), picture::SIZE)?;
-    }
-    if let Some(path) = &arguments.html {
-        write_page(path, &page::of_run(&soup, &options, &outcome, &report)?)?;
-    }
-    if let Some(path) = &arguments.report {
-        write_json(path, &report)?;
-    }
+    // The mesh is written: what is told of it must not depend on the rest.
+    let beside = arguments.write_beside(&soup, &options, &outcome, &report);
     if !arguments.quiet {
         print_beside([&arguments.output.output].into_iter().chain(&arguments.report), &summary::of_run(&report))?;
     }
@@ -120,10 +113,24 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let output = &arguments.output;
     warn(warnings::of_attributes(&soup.attributes, output.format()?, &output.output.to_string()));
     warn(warnings::of_precision(&soup, meshed.mesh.points.len()));
-    Ok(())
+    beside
 }
 
 impl Arguments {
+    /// Writes the results beside the mesh.
+    fn write_beside(&self, soup: &Soup, options: &Options, outcome: &Outcome, report: &Report) -> anyhow::Result<()> {
+        if let Some(path) = &self.report {
+            write_json(path, report)?;
+        }
+        if let Some(path) = &self.picture {
+            write_picture(path, &mesh_scene(&outcome.meshed.mesh, Paint::Sides), &View::default(), picture::SIZE)?;
+        }
+        if let Some(path) = &self.html {
+            write_page(path, &page::of_run(soup, options, outcome, report)?)?;
+        }
+        Ok(())
+    }
+
     /// Checks, before long work, that the results can be written.
     fn expect_writable(&self) -> anyhow::Result<()> {
         let conflict = |message| super::Arguments::command().error(ErrorKind::ArgumentConflict, message).into();

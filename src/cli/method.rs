@@ -8,10 +8,11 @@ use clap::{Args, CommandFactory, ValueEnum, error::ErrorKind};
 use quadmosaic::mesh::connect::ConnectOptions;
 use quadmosaic::mesh::connectivity::{self, ConnectivityOptions};
 use quadmosaic::mesh::fill;
-use quadmosaic::options::{self, degrees, distance, up_to};
-use quadmosaic::pipeline::{Contradiction, Layout, Options};
+use quadmosaic::options::{self, degrees, distance, memory, seconds, up_to};
+use quadmosaic::pipeline::{Contradiction, Layout, Limits, Options};
 use quadmosaic::surface::KeptBoundary;
 use quadmosaic::symmetry::Symmetry;
+use std::time::Duration;
 
 #[derive(Args)]
 pub struct MethodArguments {
@@ -75,6 +76,18 @@ pub struct MethodArguments {
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = up_to::<1000>, help_heading = "Connection")]
     smoothing: usize,
 
+    /// The most memory: a run that needs more is refused before its work
+    ///
+    /// In bytes, or with K, M, G or T, powers of 1024: 500M, 2G. The memory is predicted for the CPU from the number of triangles and
+    /// points; the error tells what would fit
+    #[arg(long, value_name = "SIZE", value_parser = memory, help_heading = "Machine")]
+    max_memory: Option<u64>,
+    /// The longest time, in seconds: after it the best mesh so far is written
+    ///
+    /// A warning tells it. Where there is no mesh yet, that is an error. Reading and writing are not counted
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Machine")]
+    time_limit: Option<Duration>,
+
     #[command(flatten)]
     rows: LayoutArguments,
 }
@@ -132,6 +145,7 @@ impl MethodArguments {
                 ..ConnectivityOptions::default()
             }),
             smoothing: self.smoothing,
+            limits: Limits { memory: self.max_memory, time: self.time_limit },
             ..Options::new(self.fineness.fineness())
         };
         let options = self.rows.options(&self.directions, rest)?;

@@ -24,14 +24,16 @@ mod picture;
 mod progress;
 mod repairs;
 mod serve;
+mod signals;
 mod study;
 mod summary;
 mod view;
 
+use anyhow::Context;
 use clap::{Parser, Subcommand};
 use config::Request;
 use mesh::Unsound;
-use serve::Stopped;
+use signals::{Stopped, end_by_signals};
 use std::ffi::OsString;
 
 /// Turns a triangle surface into a quad-dominant mesh whose rows follow its features and your guides.
@@ -110,6 +112,10 @@ fn sentence(error: &anyhow::Error) -> String {
 }
 
 fn run(arguments: Arguments) -> anyhow::Result<()> {
+    // The server ends its runs itself.
+    if !matches!(arguments.command, Command::Serve(_)) {
+        end_by_signals().context("signals cannot be listened for")?;
+    }
     match arguments.command {
         Command::Mesh(arguments) => mesh::run(&arguments),
         Command::Batch(arguments) => batch::run(&arguments),

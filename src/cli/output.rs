@@ -1,11 +1,11 @@
 //! Output: files and the standard output.
 
 use anyhow::{Context, bail};
-use quadmosaic::export::atomic;
+use quadmosaic::export::{atomic, expect_room};
 use serde::Serialize;
 use std::convert::Infallible;
 use std::fmt;
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -30,9 +30,9 @@ impl Output {
 impl FromStr for Output {
     type Err = Infallible;
 
-    /// `-`, or a path.
+    /// `-` or `/dev/stdout`, or a path.
     fn from_str(text: &str) -> Result<Self, Infallible> {
-        Ok(if text == "-" { Self::Standard } else { Self::File(text.into()) })
+        Ok(if ["-", "/dev/stdout"].contains(&text) { Self::Standard } else { Self::File(text.into()) })
     }
 }
 
@@ -103,8 +103,13 @@ pub fn expect_writable(path: &Path, taken: &[&Path]) -> anyhow::Result<()> {
     if path.is_dir() {
         bail!("{shown} cannot be written: it is a folder; name a file in it");
     }
-    let target = absolute(path).ok().filter(|target| target.parent().is_some_and(Path::is_dir));
-    let target = target
+    if fs::metadata(path).is_err_and(|error| error.kind() == io::ErrorKind::InvalidFilename) {
+        bail!("{shown} cannot be written: the name is too long; choose a shorter one");
+    }
+    let target = absolute(path).ok();
+    let (target, folder) = target
+        .as_deref()
+        .and_then(|target| Some((target, target.parent().filter(|folder| folder.is_dir())?)))
         .with_context(|| format!("{shown} cannot be written: there is no such folder; create it or choose another"))?;
     if let Some(other) = taken.iter().find(|other| absolute(other).is_ok_and(|other| other == target)) {
         bail!("{shown} cannot be written: it is the same file as {}; choose another name", other.display());
@@ -113,10 +118,7 @@ pub fn expect_writable(path: &Path, taken: &[&Path]) -> anyhow::Result<()> {
     if target.exists() && !target.is_file() {
         return Ok(());
     }
-    let probe = target.with_file_name(format!(".quadmosaic.{}.probe", std::process::id()));
-    File::create_new(&probe)
-        .and_then(|_| fs::remove_file(&probe))
-        .with_context(|| format!("{shown} cannot be written, its folder takes no new file"))
+    expect_room(folder).with_context(|| format!("{shown} cannot be written, its folder takes no new file"))
 }
 
 /// The path without links and dots. The folder must exist, the file need not.

@@ -17,6 +17,8 @@ use crate::sizes::{LocalSize, NoLocalSize};
 use crate::surface::{KeptBoundary, Length, LengthError, NoKeptBoundary};
 use crate::symmetry::{NoSymmetry, Symmetry};
 use std::ops::RangeInclusive;
+use std::thread;
+use std::time::Duration;
 use thiserror::Error;
 
 /// Why a text is no value of an option.
@@ -47,6 +49,12 @@ pub enum ValueError {
     /// No distance of connected tiles.
     #[error("the distance is a number from 1 to 10, in tile sides")]
     Distance,
+    /// No memory.
+    #[error("write a number of bytes, or one with K, M, G or T, as 2G")]
+    Memory,
+    /// No time.
+    #[error("the time is a number above 0, at most {LONGEST}, in seconds")]
+    Time,
     /// No whole number.
     #[error("write a whole number from 0 to {most}")]
     Whole {
@@ -103,7 +111,7 @@ pub enum OptionError {
 }
 
 /// The names of the options that [`Options::set`] knows.
-pub const NAMES: [&str; 32] = [
+pub const NAMES: [&str; 34] = [
     "preset",
     "layout",
     "points",
@@ -136,7 +144,12 @@ pub const NAMES: [&str; 32] = [
     "quads",
     "no_cleanup",
     "smoothing",
+    "max_memory",
+    "time_limit",
 ];
+
+/// The longest time limit, in seconds.
+const LONGEST: u32 = 100_000_000;
 
 const LAYOUTS: &[&str; 3] = &[Layout::Mosaic.name(), Layout::Even.name(), Layout::Quads.name()];
 const QUADS: &[&str; 3] = &[Quads::Paper.name(), Quads::Most.name(), Quads::All.name()];
@@ -200,6 +213,8 @@ impl Options {
                 self.connectivity = Some(ConnectivityOptions { quads, ..self.connectivity.unwrap_or_default() });
             }
             "no_cleanup" => self.connectivity = if flag(value)? { None } else { Some(Default::default()) },
+            "max_memory" => self.limits.memory = Some(memory(value)?),
+            "time_limit" => self.limits.time = Some(seconds(value)?),
             _ => self.smoothing = up_to::<1000>(value)?,
         }
         Ok(())
@@ -243,12 +258,42 @@ pub fn up_to<const MOST: usize>(text: &str) -> Result<usize, ValueError> {
     text.parse().ok().filter(|count| *count <= MOST).ok_or(ValueError::Whole { most: MOST })
 }
 
+/// A number of threads, of which more than there are cores are not started; 0 for as many as there are.
+///
+/// # Errors
+/// Where the text is none.
+pub fn threads(text: &str) -> Result<usize, ValueError> {
+    let asked = up_to::<1024>(text)?;
+    Ok(thread::available_parallelism().map_or(asked, |cores| asked.min(cores.get())))
+}
+
 /// A number of vertices that can be asked for.
 ///
 /// # Errors
 /// Where the text is none.
 pub fn points(text: &str) -> Result<usize, ValueError> {
     text.parse().ok().filter(|count| POINTS.contains(count)).ok_or(ValueError::Points)
+}
+
+/// A number of bytes, perhaps with a unit, a power of 1024: `2G`.
+///
+/// # Errors
+/// Where the text is none.
+pub fn memory(text: &str) -> Result<u64, ValueError> {
+    let unit = text.chars().last().and_then(|last| "KMGT".find(last.to_ascii_uppercase()));
+    let digits = if unit.is_some() { &text[..text.len() - 1] } else { text };
+    let is_plain = digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    let number = digits.parse::<f64>().ok().filter(|number| is_plain && *number > 0.0);
+    let bytes = number.ok_or(ValueError::Memory)? * 1024f64.powi(unit.map_or(0, |power| power as i32 + 1));
+    Ok(bytes as u64)
+}
+
+/// A time above 0, in seconds.
+///
+/// # Errors
+/// Where the text is none.
+pub fn seconds(text: &str) -> Result<Duration, ValueError> {
+    number(text, f64::MIN_POSITIVE..=f64::from(LONGEST)).map(Duration::from_secs_f64).ok_or(ValueError::Time)
 }
 
 /// The largest ratio of two edges beside each other.

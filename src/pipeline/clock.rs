@@ -16,23 +16,30 @@ impl<'a> Clock<'a> {
     }
 
     pub(super) fn begin(&mut self, stage: Stage) -> Result<(), Cancelled> {
-        self.end()?;
+        self.end();
         self.times.push((stage, Duration::ZERO));
         self.progress.report(stage, 0.0)
     }
 
-    fn end(&mut self) -> Result<(), Cancelled> {
+    /// As [`begin`](Self::begin), for a stage that improves a mesh that is there already: where the time is over, its loops end at once,
+    /// but the run goes on.
+    pub(super) fn begin_improving(&mut self, stage: Stage) -> Result<(), Cancelled> {
+        let begun = self.begin(stage);
+        if self.progress.late().is_some() { Ok(()) } else { begun }
+    }
+
+    fn end(&mut self) {
         let now = Instant::now();
-        if let Some((stage, time)) = self.times.last_mut() {
+        if let Some((_, time)) = self.times.last_mut() {
             *time = now - self.started;
-            self.progress.report(*stage, 1.0)?;
+            self.progress.advance(1.0);
         }
         self.started = now;
-        Ok(())
     }
 
     pub(super) fn finish(mut self) -> Result<Vec<(Stage, Duration)>, Cancelled> {
-        self.end()?;
+        self.end();
+        self.progress.check()?;
         Ok(self.times)
     }
 }

@@ -1,6 +1,6 @@
 //! Why no mesh is made.
 
-use super::{Contradiction, POINTS};
+use super::{Contradiction, LimitError, POINTS};
 use crate::compute::ComputeError;
 use crate::field::StretchError;
 use crate::progress::Cancelled;
@@ -37,6 +37,9 @@ pub enum PipelineError {
     /// The wanted fineness is invalid.
     #[error(transparent)]
     Fineness(#[from] FinenessError),
+    /// A limit is too tight for any mesh.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
     /// The progress function cancelled the run.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

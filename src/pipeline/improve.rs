@@ -23,14 +23,15 @@ const LARGE: usize = 3_000;
 /// The most times of the asked count, or of [`FEW`] where that is more, to which this raises it.
 const MOST_RAISED: usize = 12;
 
-/// Makes a mesh again that has faults, with smaller tiles there, or misses the count, with more tiles or fewer; returns the best one.
+/// Makes a mesh again that has faults, with smaller tiles there, or misses the count, with more tiles or fewer; `best` is the best one at
+/// any time, after an error too.
 pub(super) fn improve(
-    mut best: Outcome,
+    best: &mut Outcome,
     mut sizing: Sizing,
     options: &Options,
     backend: &dyn Backend,
     progress: &Progress,
-) -> Result<Outcome, PipelineError> {
+) -> Result<(), PipelineError> {
     let (mut places, mut miss) = (best.meshed.faulty_places(), best.miss(options));
     // The surface of the latest mesh, where that is not the best one.
     let mut latest = None;
@@ -51,7 +52,8 @@ pub(super) fn improve(
             sizing.aim *= (-miss).exp();
         }
         let prepared = sizing.sized(surface, options, progress)?;
-        if prepared.count > MOST_RAISED * prepared.sizing.count.max(FEW) {
+        let is_allowed = options.limits.expect_memory(best.surface.undivided().triangles, prepared.count).is_ok();
+        if prepared.count > MOST_RAISED * prepared.sizing.count.max(FEW) || !is_allowed {
             break;
         }
         let (corrected, next) = attempt(prepared, options, backend, clock)?;
@@ -61,7 +63,7 @@ pub(super) fn improve(
         (sizing, places, miss) = (corrected, next.meshed.faulty_places(), next.miss(options));
         let rank = |wrong: usize, miss: f64| (wrong, miss.abs().max(COUNT_TOLERANCE));
         if rank(after, miss) < rank(before, best.miss(options)) {
-            (best, futile) = (next, 0);
+            (*best, futile) = (next, 0);
         } else {
             (latest, futile) = (Some(next.surface), futile + 1);
         }
@@ -70,7 +72,7 @@ pub(super) fn improve(
             break;
         }
     }
-    Ok(best)
+    Ok(())
 }
 
 impl Outcome {

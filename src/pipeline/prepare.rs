@@ -1,6 +1,6 @@
 //! The surface as the tiles need it: its features, the sizes of tiles and their number.
 
-use super::{Fineness, FinenessError, Options, POINTS, PipelineError, unwatched};
+use super::{Fineness, FinenessError, MOST_PARTS, Options, POINTS, PipelineError, unwatched};
 use crate::field::StretchError;
 use crate::mosaic;
 use crate::progress::Progress;
@@ -9,10 +9,6 @@ use crate::surface::{BoundaryError, Soup, Surface};
 
 /// The most rounds in which the surface is divided where sizes, known at vertices, are small.
 const SIZE_ROUNDS: usize = 4;
-
-/// A surface whose triangles, once those that are long are divided, are more than so many a tile is coarsened: the time grows with
-/// them, and tiles do not need them.
-const MOST_PARTS: usize = 8;
 
 /// A surface that can carry its tiles.
 pub(super) struct Prepared<'a> {
@@ -136,7 +132,15 @@ fn expect_stretchable(options: &Options) -> Result<(), StretchError> {
     }
 }
 
-/// The side of a tile, in model units, before the surface is known; only lengths of repairs depend on it.
+/// The number of vertices of a fineness, before the surface is known.
+pub(super) fn approximate_count(soup: &Soup, options: &Options) -> usize {
+    match options.fineness {
+        Fineness::Points(count) => count,
+        Fineness::Size(_) | Fineness::Sampled => (soup.area() / approximate_side(soup, options).powi(2)) as usize,
+    }
+}
+
+/// The side of a tile, in model units, before the surface is known; beside the approximate count only lengths of repairs depend on it.
 fn approximate_side(soup: &Soup, options: &Options) -> f64 {
     match options.fineness {
         Fineness::Points(count) => (soup.area() / count as f64).sqrt(),

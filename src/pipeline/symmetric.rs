@@ -5,7 +5,7 @@
 //! the other side are mirrored to it.
 
 use super::prepare::{Prepared, prepared, repaired};
-use super::{Fineness, Meshed, Options, Outcome, PipelineError, Watch, run};
+use super::{Fineness, Meshed, Options, Outcome, PipelineError, run_watched};
 use crate::compute::Backend;
 use crate::field::{Guide, Trace};
 use crate::mesh::check::{Fault, Faults, Kind, check_joined, sort};
@@ -52,16 +52,15 @@ fn tolerance(surface: &Surface) -> f64 {
     ON_PLANE * surface.frame().diagonal
 }
 
-/// As [`run`], with a plane of symmetry.
+/// As [`run`](super::run), with a plane of symmetry.
 pub(super) fn run_symmetric(
     soup: &Soup,
     symmetry: Symmetry,
     options: &Options,
     backend: &dyn Backend,
-    watch: &Watch,
+    progress: &Progress,
 ) -> Result<Outcome, PipelineError> {
     let started = Instant::now();
-    let progress = &Progress::new(watch);
     progress.report(Stage::Surface, 0.0)?;
     let whole = repaired(soup, options, progress)?;
     progress.check()?;
@@ -78,7 +77,7 @@ pub(super) fn run_symmetric(
     let asked = of_half(options, &half, plane, &whole);
     let before = started.elapsed();
 
-    let mut outcome = run(&half.soup, &asked, backend, watch)?;
+    let mut outcome = run_watched(&half.soup, &asked, backend, progress)?;
 
     let started = Instant::now();
     progress.report(Stage::Finish, 0.0)?;

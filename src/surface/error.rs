@@ -3,6 +3,9 @@
 use crate::progress::Cancelled;
 use thiserror::Error;
 
+/// The most triangles, and the most points, of a surface: each side of a triangle has a 32-bit number, and one is no side's.
+pub(super) const MOST_TRIANGLES: usize = (u32::MAX / 3 - 1) as usize;
+
 /// Why a soup of triangles is no surface that can be meshed.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
@@ -10,6 +13,16 @@ pub enum SurfaceError {
     /// There is nothing to mesh.
     #[error("the surface has no triangles; check that the file holds faces")]
     Empty,
+    /// Numbers of sides of triangles would not be 32-bit numbers.
+    #[error(
+        "the surface has {triangles} triangles and {points} points; mesh it in parts of at most {MOST_TRIANGLES} triangles and points"
+    )]
+    TooLarge {
+        /// Triangles that were given.
+        triangles: usize,
+        /// Points that were given.
+        points: usize,
+    },
     /// Nothing is left of the triangles at the precision that is computed with.
     #[error(
         "none of the {given} triangles has any area: their corners lie on a line, or within a ten-millionth of the \

@@ -5,6 +5,7 @@
 //! touch; small parts are dropped; small holes are filled. So no hole of a part that
 //! goes is filled, and no gap that welding closes.
 
+use super::error::MOST_TRIANGLES;
 use super::repairs::Limits;
 use super::weld::{Welded, frame, weld};
 use super::{RepairOptions, Soup, SurfaceError, holes, imprint, parts, sew};
@@ -20,6 +21,7 @@ pub(super) fn mended(
     side: f64,
     progress: &Progress,
 ) -> Result<Welded, SurfaceError> {
+    expect_countable(soup.triangles.len(), soup.points.len())?;
     let (frame, used) = frame(soup)?;
     let limits = Limits::new(options, frame.diagonal, side)?;
     let mut welded = weld(soup, frame, &used, limits.weld, progress)?;
@@ -36,4 +38,25 @@ pub(super) fn mended(
         holes::fill(&mut welded, limit);
     }
     if welded.has_area() { Ok(welded) } else { Err(SurfaceError::NoArea { given: soup.triangles.len() }) }
+}
+
+/// Refuses a surface whose triangles or points have no 32-bit numbers.
+fn expect_countable(triangles: usize, points: usize) -> Result<(), SurfaceError> {
+    match triangles.max(points) > MOST_TRIANGLES {
+        true => Err(SurfaceError::TooLarge { triangles, points }),
+        false => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_surface_beyond_32_bits_is_refused() {
+        assert_eq!(expect_countable(MOST_TRIANGLES, MOST_TRIANGLES), Ok(()));
+        for (triangles, points) in [(MOST_TRIANGLES + 1, 4), (1, MOST_TRIANGLES + 1), (usize::MAX, 4)] {
+            assert_eq!(expect_countable(triangles, points), Err(SurfaceError::TooLarge { triangles, points }));
+        }
+    }
 }

@@ -29,8 +29,8 @@ impl Desk {
         self.fed(arguments, b"")
     }
 
-    /// Runs it with these bytes on its standard input.
-    pub fn fed(&self, arguments: &[&str], input: &[u8]) -> Output {
+    /// The program with these arguments, in the folder.
+    pub fn command(&self, arguments: &[&str]) -> Command {
         let mut program = Command::new(env!("CARGO_BIN_EXE_quadmosaic"));
         program.args(arguments);
         // What the machine has must not decide what is tested; drivers print messages of their own, too.
@@ -38,6 +38,12 @@ impl Desk {
             program.args(["--backend", "cpu"]);
         }
         program.current_dir(self.folder.path());
+        program
+    }
+
+    /// Runs it with these bytes on its standard input.
+    pub fn fed(&self, arguments: &[&str], input: &[u8]) -> Output {
+        let mut program = self.command(arguments);
         program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut program = program.spawn().expect("the program starts");
         // It need not read it.

@@ -8,10 +8,7 @@ mod http;
 mod meshing;
 mod order;
 mod runs;
-mod signals;
 mod site;
-
-pub use signals::Stopped;
 
 use super::backend::Machine;
 use super::config::ConfigArguments;
@@ -20,6 +17,7 @@ use super::mesh_output::format_of;
 use super::method::MethodArguments;
 use super::output::{expect_writable, file_path, print};
 use super::progress::Progress;
+use super::signals::Signals;
 use anyhow::Context;
 use clap::Args;
 use connections::Server;
@@ -27,7 +25,6 @@ use guard::Guard;
 use meshing::Meshing;
 use quadmosaic::export::Format;
 use runs::Runs;
-use signals::Signals;
 use site::MeshSite;
 use std::net::{Ipv4Addr, TcpListener};
 use std::ops::ControlFlow;
@@ -71,7 +68,7 @@ Examples:
 /// Serves the page until a signal ends the program, which is the error then.
 ///
 /// # Errors
-/// As `mesh` for the first mesh; where the port cannot be had; [`Stopped`].
+/// As `mesh` for the first mesh; where the port cannot be had; [`Stopped`](super::signals::Stopped).
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let signals = Signals::listen().context("signals cannot be listened for")?;
     let Arguments { source, output, to, port, _config, method, machine } = arguments;

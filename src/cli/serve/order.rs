@@ -25,6 +25,8 @@ pub enum OrderError {
     Sizes(#[from] SizeFileError),
     #[error(transparent)]
     Contradiction(#[from] Contradiction),
+    #[error("the limits of memory and time are those that the server was started with; a request cannot change them")]
+    Limits,
 }
 
 /// The body of a request for a mesh.
@@ -53,6 +55,9 @@ pub fn options(body: &[u8], base: &Options) -> Result<Options, OrderError> {
     given.sort_by_key(|(name, _)| rank(name));
     for (name, value) in given {
         options.set(name, value)?;
+    }
+    if options.limits != base.limits {
+        return Err(OrderError::Limits);
     }
     if let Some(guides) = &order.guides {
         options.field.guides.extend(parse_guides(guides, GUIDES)?);
@@ -96,6 +101,7 @@ mod tests {
             (r#"{"option": {}}"#, "unknown field `option`"),
             (r#"{"options": {"point": "5"}}"#, "there is no option point"),
             (r#"{"options": {"points": "3"}}"#, "ask for 4 to 50000000 vertices"),
+            (r#"{"options": {"max_memory": "9G"}}"#, "the limits of memory and time are those that the server"),
             (r#"{"guides": "{\"strokes\": ["}"#, "guides.json: EOF while parsing"),
             (r#"{"guides": "0,0,0"}"#, "guides.json, line 1: a guide has 6 to 8 numbers"),
             (r#"{"sizes": "0,0,0,-1"}"#, "sizes.csv, line 1: the size -1 is not above 0"),

@@ -1,7 +1,8 @@
 //! Signals that end the program.
 
+use quadmosaic::export::discard_drafts;
 use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::low_level::unregister;
+use signal_hook::low_level::{exit, unregister};
 use signal_hook::{SigId, flag};
 use std::io;
 use std::sync::Arc;
@@ -23,6 +24,23 @@ impl Stopped {
     pub fn code(self) -> u8 {
         128 + self.0
     }
+}
+
+/// From now on Ctrl-C and SIGTERM end the program at once, but for the removal of files that are not complete. A file that grows too large
+/// is an error of its writer.
+///
+/// # Errors
+/// Where the operating system takes no handler, or the thread that waits cannot be started.
+pub fn end_by_signals() -> io::Result<()> {
+    #[cfg(unix)]
+    flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
+    let signals = Signals::listen()?;
+    thread::Builder::new().name("signals".to_owned()).spawn(move || {
+        let stopped = signals.wait();
+        discard_drafts();
+        exit(stopped.code().into())
+    })?;
+    Ok(())
 }
 
 /// The signals since the start: Ctrl-C and SIGTERM.
