@@ -15,6 +15,7 @@
 
 mod clock;
 mod error;
+mod fallback;
 mod improve;
 mod layout;
 mod limits;
@@ -28,6 +29,7 @@ pub use prepare::prepare;
 pub use symmetric::Symmetric;
 
 use self::clock::Clock;
+use self::fallback::lay_carried;
 use self::improve::improve;
 use self::prepare::{Prepared, Sizing, approximate_count, prepared, repaired};
 use crate::compute::{Backend, ComputeError, Watched};
@@ -186,6 +188,8 @@ pub struct Meshed {
 const CONTINUOUS_REGULARITY: f64 = 1.0;
 /// The least number of sweeps of a field that sides follow: sides fit a harmonic angle best.
 const HARMONIC_SWEEPS: u32 = 150;
+/// Singularities nearer to a feature than this, in tile sides, move onto it where rows are continuous.
+const ABSORBED: f64 = 1.0;
 /// The most rounds of untangling and relocation.
 const UNTANGLING_ROUNDS: usize = 3;
 /// A surface whose triangles, once those that are long are divided, are more than so many a tile is coarsened: the time grows with
@@ -245,12 +249,8 @@ fn attempt<'a>(
     let aim = ((sizing.aim * count as f64).round() as usize).max(*POINTS.start());
     let progress = clock.progress;
 
-    clock.begin(Stage::Field)?;
-    let field = field(&surface, sizes, count, options, backend)?;
-
-    clock.begin(Stage::Mosaic)?;
-    let advance = |share| progress.advance(share);
-    let mosaic = lay_from(&surface, &field, backend, aim, options, sizing.first_scale, &advance)?;
+    let (field, mosaic) = lay_carried(&surface, &sizes, [count, aim], &mut sizing, options, backend, &mut clock)?;
+    let options = &sizing.fallback.applied(options);
     let mosaic = Mosaic { wanted: count, ..mosaic };
     sizing.first_scale = f64::from(mosaic.scale / field.sizes().side_for_count(&surface, aim));
 
@@ -381,7 +381,11 @@ pub fn field(
     let side = surface.frame().diagonal * f64::from(mosaic::side_for_count(surface, count));
     let align = options.field.align.map(|align| Align { side: align.side.or(Some(side)), ..align });
     let sweeps = if options.fit > 0.0 { HARMONIC_SWEEPS.max(options.field.sweeps) } else { options.field.sweeps };
-    let field = Field::new(surface, &FieldOptions { align, sweeps, ..options.field.clone() }, backend)?;
+    let absorb = match options.rows {
+        Rows::Paper => options.field.absorb,
+        Rows::Continuous => options.field.absorb.max(ABSORBED * side),
+    };
+    let field = Field::new(surface, &FieldOptions { align, sweeps, absorb, ..options.field.clone() }, backend)?;
     if options.aspect != 1.0 {
         // The side of equal tiles; where sizes vary, it is the mean side.
         let side = f64::from(mosaic::side_for_count(surface, count));
@@ -411,21 +415,32 @@ pub fn lay(
     options: &Options,
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
-    lay_from(surface, field, backend, count, options, 1.0, progress)
+    Laying { options, first_scale: 1.0, is_trial: false, progress }.lay(surface, field, backend, count)
 }
 
-/// As [`lay`]; `first_scale` is [`MosaicBuilder::first_scale`].
-fn lay_from(
-    surface: &Surface,
-    field: &Field,
-    backend: &dyn Backend,
-    count: usize,
-    options: &Options,
+/// How a mosaic is laid.
+struct Laying<'a> {
+    options: &'a Options,
+    /// See [`MosaicBuilder::first_scale`].
     first_scale: f64,
-    progress: &dyn Fn(f32),
-) -> Result<Mosaic, ComputeError> {
-    let (effort, rows) = (Effort::default(), options.rows);
-    let builder = MosaicBuilder { surface, field, backend, effort, rows, first_scale, progress };
-    let is_absolute = !matches!(options.fineness, Fineness::Points(_)) && !field.sizes().is_equal();
-    if is_absolute { builder.at_scale_for(count) } else { builder.with_count(count) }
+    /// See [`MosaicBuilder::is_trial`].
+    is_trial: bool,
+    progress: &'a dyn Fn(f32),
+}
+
+impl Laying<'_> {
+    /// As [`lay`].
+    fn lay(
+        &self,
+        surface: &Surface,
+        field: &Field,
+        backend: &dyn Backend,
+        count: usize,
+    ) -> Result<Mosaic, ComputeError> {
+        let &Self { options, first_scale, is_trial, progress } = self;
+        let (effort, rows) = (Effort::default(), options.rows);
+        let builder = MosaicBuilder { surface, field, backend, effort, rows, first_scale, is_trial, progress };
+        let is_absolute = !matches!(options.fineness, Fineness::Points(_)) && !field.sizes().is_equal();
+        if is_absolute { builder.at_scale_for(count) } else { builder.with_count(count) }
+    }
 }

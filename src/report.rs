@@ -17,7 +17,7 @@ use crate::mesh::connectivity::EditCounts;
 use crate::mesh::quality::Quality;
 use crate::mesh::triangulate::Triangulation;
 use crate::mosaic::{Mosaic, quality::TileQuality};
-use crate::parametrize::RowEnds;
+use crate::parametrize::{Distortion, RowEnds};
 use crate::pipeline::{Fineness, Options, Outcome, Symmetric};
 use crate::sets::Sets;
 use crate::surface::{Contacts, Curve, Denoised, Reason, Repairs, Surface};
@@ -222,6 +222,8 @@ pub struct Tiles {
     pub holes: usize,
     /// Row ends before and after the cancellation, and the length of its paths; absent where no row crosses another.
     pub row_ends: Option<RowEnds>,
+    /// The distortion of rows that pass over the whole surface; absent where rows may end.
+    pub distortion: Option<Distortion>,
     /// The differences between the sides of the tiles.
     pub sides: Option<Sides>,
 }
@@ -239,6 +241,7 @@ impl Tiles {
             on_features: doubled(on_features, on_plane),
             holes: outcome.meshed.holes,
             row_ends: mosaic.row_ends,
+            distortion: mosaic.distortion,
             sides: Sides::of(&outcome.triangulation),
         }
     }

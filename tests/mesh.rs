@@ -27,6 +27,7 @@ fn tiled(name: &str) -> (Surface, Mosaic, Triangulation) {
         effort: Effort::default(),
         rows: Rows::Paper,
         first_scale: 1.0,
+        is_trial: false,
         progress: &|_| {},
     };
     let mosaic = builder.with_count(COUNT).expect("the CPU does not fail");

@@ -23,6 +23,7 @@ fn laid(surface: &Surface, field: &Field, count: usize) -> Mosaic {
         effort: Effort::default(),
         rows: Rows::Paper,
         first_scale: 1.0,
+        is_trial: false,
         progress: &|_| {},
     };
     builder.with_count(count).expect("the CPU does not fail")

@@ -211,6 +211,7 @@ fn meshes_of_tiles_get_better_and_features_keep_their_vertices() {
             effort,
             rows,
             first_scale: 1.0,
+            is_trial: false,
             progress: &|_| {},
         };
         let mosaic = builder.with_count(1_000).expect("the CPU does not fail");

@@ -10,7 +10,7 @@ use quadmosaic::mesh::connectivity::{ConnectivityOptions, Quads};
 use quadmosaic::mesh::quality::Quality;
 use quadmosaic::parametrize::Rows;
 use quadmosaic::parametrize::integrable_sizes::integrable_sizes;
-use quadmosaic::pipeline::{Fineness, Options, Outcome, field, prepare, run, unwatched};
+use quadmosaic::pipeline::{Fineness, Layout, Options, Outcome, field, prepare, run, unwatched};
 use quadmosaic::report::Report;
 use quadmosaic::surface::{Ends, NamedEdge};
 
@@ -49,6 +49,39 @@ fn continuous_rows_leave_no_end_and_hardly_an_odd_face() {
     assert!(odd(&torus) > 0.01, "{}", odd(&torus));
     let ends = torus.mosaic.row_ends.expect("rows near each other were led on");
     assert!(0 < ends.after && ends.after < ends.before, "{ends:?}");
+}
+
+#[test]
+fn quads_alone_have_hardly_more_irregular_vertices_than_bolt_holes_demand_and_rows_end_where_they_are_too_near() {
+    let flange = example("flange", 6_000);
+    let quads = |points, layout| {
+        let options = Options::new(Fineness::Points(points)).with_layout(layout);
+        run(&flange, &options, &Cpu, &unwatched).unwrap_or_else(|error| panic!("{error}"))
+    };
+    // Each rim of the 12 holes has an index of -1, which is four vertices of valence 5.
+    let demanded = 2 * 12 * 4;
+    let irregular = |outcome: &Outcome| {
+        let quality = Quality::of(&outcome.meshed.mesh);
+        (quality.qr, quality.irregular_vertices)
+    };
+    let fine = quads(2_000, Layout::Quads);
+    assert!(
+        fine.mosaic.distortion.is_some_and(|distortion| distortion.cost(2_000) < 0.2),
+        "{:?}",
+        fine.mosaic.distortion
+    );
+    let (qr, found) = irregular(&fine);
+    assert!(qr == 1.0 && (demanded..=demanded + 20).contains(&found), "Qr {qr}, {found} irregular");
+    let (qr, found) = irregular(&quads(2_000, Layout::Mosaic));
+    assert!(qr < 1.0 && found > demanded + 20, "rows of equal tiles end: Qr {qr}, {found} irregular");
+
+    // A hole has five tiles round: rows that pass everywhere fold.
+    let coarse = quads(400, Layout::Quads);
+    assert_eq!(coarse.mosaic.distortion, None, "rows end");
+    assert_eq!(irregular(&coarse).0, 1.0);
+    for outcome in [fine, coarse] {
+        assert!(outcome.meshed.faults.is_clean() && outcome.meshed.differences.is_empty());
+    }
 }
 
 #[test]

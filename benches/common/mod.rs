@@ -47,6 +47,7 @@ pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {
         effort: Effort::default(),
         rows: Rows::Paper,
         first_scale: 1.0,
+        is_trial: false,
         progress: &|_| {},
     };
     builder.with_count(POINTS).expect("the CPU does not fail")

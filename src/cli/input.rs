@@ -16,7 +16,7 @@ pub struct Source {
     /// The surface: a file, - for standard input, or an example (example:m6)
     ///
     /// An OBJ, STL, PLY, OFF, MSH, VTK, VTU or VTP file, perhaps in gzip, told apart by content; or example:NAME or
-    /// example:NAME:TRIANGLES, NAME one of m6, torus, sphere, plate, block
+    /// example:NAME:TRIANGLES, NAME one of m6, torus, sphere, plate, block, flange
     #[arg(value_name = "IN")]
     input: Input,
     /// The format of IN, where its content leaves it open

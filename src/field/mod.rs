@@ -15,6 +15,7 @@
 //! it. A sector's angles are scaled to sum to 2 pi inside, to pi along a feature and to a multiple of 90 degrees at a corner, so
 //! that rows meet a feature at right angles whatever its angle in space.
 
+mod absorb;
 mod align;
 mod connection;
 mod constraints;
@@ -49,11 +50,14 @@ pub struct FieldOptions {
     /// Normalised sweeps at the end: a heat flow of the angle, in which opposite singularities that are near each other meet and
     /// vanish. Default 10.
     pub sweeps: u32,
+    /// Singularities nearer to a feature than this, in model units, move onto it, as rows that pass over the whole surface need
+    /// it. Default 0.
+    pub absorb: f64,
 }
 
 impl Default for FieldOptions {
     fn default() -> Self {
-        Self { guides: Vec::new(), align: None, sweeps: NORMALISED_SWEEPS }
+        Self { guides: Vec::new(), align: None, sweeps: NORMALISED_SWEEPS, absorb: 0.0 }
     }
 }
 
@@ -63,6 +67,9 @@ impl FieldOptions {
         Self { guides: guides.into(), ..Self::default() }
     }
 }
+
+/// The most rounds in which singularities are moved onto features: those that are near afterwards follow.
+const ABSORBING_ROUNDS: usize = 3;
 
 /// A cross field over a surface.
 #[derive(Clone, Debug)]
@@ -81,14 +88,24 @@ impl Field {
     /// # Errors
     /// Where the backend fails.
     pub fn new(surface: &Surface, options: &FieldOptions, backend: &dyn Backend) -> Result<Self, ComputeError> {
-        let sectors = Sectors::new(surface);
+        let mut sectors = Sectors::new(surface);
         let (mut directions, guides) = guides::constraints(surface, &sectors, &options.guides);
         if let Some(align) = options.align {
             directions.extend(align::constraints(surface, &sectors, &align, &directions));
         }
-        let constraints = constraints::combined(surface, &sectors, &directions);
-        let problem = connection::problem(surface, &sectors, &constraints);
-        let crosses = Hierarchy::directions(problem, options.sweeps)?.solve(backend)?;
+        let solve = |sectors: &Sectors| {
+            let constraints = constraints::combined(surface, sectors, &directions);
+            Hierarchy::directions(connection::problem(surface, sectors, &constraints), options.sweeps)?.solve(backend)
+        };
+        let mut crosses = solve(&sectors)?;
+        let reach = options.absorb / surface.frame().diagonal;
+        for _ in 0..if reach > 0.0 { ABSORBING_ROUNDS } else { 0 } {
+            let near = singularities::find(surface, &sectors, &crosses);
+            if !sectors.absorb(surface, &near, |_| reach) {
+                break;
+            }
+            crosses = solve(&sectors)?;
+        }
         let in_triangles = sectors.in_triangles(&crosses, 4.0);
         Ok(Self { sectors, crosses, in_triangles, guides, sizes: Sizes::equal(), stretch: None })
     }

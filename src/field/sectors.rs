@@ -26,6 +26,8 @@ pub struct Sectors {
     end: Vec<f64>,
     /// Unscaled angle of each corner.
     corner_angle: Vec<f64>,
+    /// Vertices within feature curves that singularities were moved onto, in order.
+    absorbing: Vec<u32>,
 }
 
 impl Sectors {
@@ -44,6 +46,7 @@ impl Sectors {
             begin: vec![0.0; count],
             end: vec![0.0; count],
             corner_angle,
+            absorbing: Vec::new(),
         };
         for corner in 0..count as u32 {
             if sectors.of_corner[corner as usize] == NONE {
@@ -105,19 +108,40 @@ impl Sectors {
         } else {
             2
         };
-        let target = if whole { TAU } else { f64::from(quarters) * FRAC_PI_2 };
-        let scale = if total > 0.0 { target / total } else { 0.0 };
-        let mut at = first;
-        loop {
-            self.begin[at as usize] *= scale;
-            self.end[at as usize] *= scale;
-            match next_corner(surface, barrier, at) {
-                Some(corner) if corner != first => at = corner,
-                _ => break,
-            }
-        }
         self.first_corner.push(first);
         self.quarters.push(quarters);
+        let target = if whole { TAU } else { f64::from(quarters) * FRAC_PI_2 };
+        self.scale(surface, id, if total > 0.0 { target / total } else { 0.0 });
+    }
+
+    fn scale(&mut self, surface: &Surface, sector: u32, scale: f64) {
+        let corners: Vec<u32> = self.corners(surface, sector).collect();
+        for corner in corners {
+            self.begin[corner as usize] *= scale;
+            self.end[corner as usize] *= scale;
+        }
+    }
+
+    /// Scales the angles of a sector on a feature to so many quarter turns; its vertex becomes a corner of rows.
+    pub(super) fn set_quarters(&mut self, surface: &Surface, sector: u32, quarters: u8) {
+        let before = std::mem::replace(&mut self.quarters[sector as usize], quarters);
+        self.scale(surface, sector, f64::from(quarters) / f64::from(before));
+        let vertex = surface.origin(self.first_corner[sector as usize]);
+        if let Err(place) = self.absorbing.binary_search(&vertex)
+            && !surface.features().is_corner(vertex)
+        {
+            self.absorbing.insert(place, vertex);
+        }
+    }
+
+    /// Whether rows have a corner at a vertex: a corner of features, or a vertex that a singularity was moved onto.
+    pub(crate) fn is_corner(&self, surface: &Surface, vertex: u32) -> bool {
+        surface.features().is_corner(vertex) || self.absorbing.binary_search(&vertex).is_ok()
+    }
+
+    /// Vertices within feature curves that singularities were moved onto, in order.
+    pub(crate) fn absorbing(&self) -> &[u32] {
+        &self.absorbing
     }
 
     /// The number of sectors.

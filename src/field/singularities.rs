@@ -99,7 +99,8 @@ fn at_corners(surface: &Surface, sectors: &Sectors) -> Vec<Singularity> {
             _ => 4 - here,
         }
     };
-    let corners = surface.features().corners().map(|vertex| (vertex, quarters(vertex)));
+    let corners = surface.features().corners().chain(sectors.absorbing().iter().copied());
+    let corners = corners.map(|vertex| (vertex, quarters(vertex)));
     corners
         .filter(|&(_, quarters)| quarters != 0)
         .map(|(vertex, quarters)| {

@@ -70,6 +70,9 @@ pub struct MosaicBuilder<'a> {
     /// The scale that is tried first, over the one at which the sizes give the count: 1, or what an earlier mosaic of nearly the
     /// same surface has found.
     pub first_scale: f64,
+    /// Whether a mosaic whose continuous rows fold much is given as it is laid first, whatever its count, as another field may fit
+    /// better.
+    pub is_trial: bool,
     /// Receives the progress, from 0 to 1; it begins anew where a mosaic is laid again for its count.
     pub progress: &'a dyn Fn(f32),
 }
@@ -113,6 +116,7 @@ impl Laying<'_> {
         let mut parametrization =
             Parametrization::solve(surface, field, sides(surface, field, solved, tilt), rows, backend)?;
         let row_ends = parametrization.resolve_row_ends(surface, rows, finer, backend)?;
+        let distortion = (rows == Rows::Continuous).then(|| parametrization.distortion(surface, f64::from(solved)));
         let is_relaxed = self.relaxation.is_some();
         let h = if is_relaxed { solved } else { h };
         if !is_relaxed {
@@ -145,7 +149,7 @@ impl Laying<'_> {
         if let Some(metric) = &mut metric {
             metric.keep_cones(mosaic.free().iter().map(|tile| tile.position));
         }
-        Ok(Mosaic { metric, row_ends: Some(row_ends), ..mosaic })
+        Ok(Mosaic { metric, row_ends: Some(row_ends), distortion, ..mosaic })
     }
 
     fn refined(&self, coarse: &Mosaic, h: f32) -> Mosaic {

@@ -21,11 +21,17 @@ const ATTEMPTS: usize = 3;
 const UNRELAXED_ERROR: [f64; 2] = [0.003, 0.009];
 /// Mosaics that are tried for one aim.
 const TRIES: usize = 6;
-/// So many of them with equal sides throughout. On a surface with many equal parts, as the teeth of a gear, all of these get
+/// Mosaics that are tried where continuous rows fold much.
+const FOLDED_TRIES: usize = 2;
+/// So many of [`TRIES`] with equal sides throughout. On a surface with many equal parts, as the teeth of a gear, all of these get
 /// another row at the same side, and the count jumps; where sides differ a little they do so one after the other.
 const EVEN_TRIES: usize = 2;
 /// Scales that differ by a smaller share are the same: their counts differ by chance.
 const SAME_SCALE: f32 = 1e-3;
+/// Scales, as factors, that are tried too where rows fold.
+const NEARBY: [f32; 2] = [1.003, 0.997];
+/// The cost of a distortion from which on no scale nearby is much better.
+const CHANCELESS: f64 = 0.3;
 /// By how much sides differ then, as a share, over the diagonal of the surface.
 const TILT: f32 = 0.04;
 
@@ -112,6 +118,9 @@ impl Laying<'_> {
                 |known| (known.h, known.tilt),
             );
             let mosaic = self.unrelaxed(h, tilt)?;
+            if self.builder.is_trial && mosaic.is_folded() {
+                return Ok(mosaic);
+            }
             let (features, found) = (mosaic.feature_samples.len(), mosaic.count());
             let this = Try { h, tilt, count: found };
             let is_same = attempt > 0 && tried.last().is_some_and(|last| (h / last.h - 1.0).abs() < SAME_SCALE);
@@ -119,15 +128,40 @@ impl Laying<'_> {
             if best.as_ref().is_none_or(|(best, _)| off(found) < off(best.count)) {
                 best = Some((this, mosaic));
             }
-            if off(found) < reach || is_same || features as f64 >= count {
+            // Where rows fold much, the count jumps by chance.
+            let is_last = attempt + 1 == FOLDED_TRIES && best.as_ref().is_some_and(|(_, mosaic)| mosaic.is_folded());
+            if off(found) < reach || is_same || is_last || features as f64 >= count {
                 break;
             }
         }
-        (self.builder.progress)(0.3);
         let (Try { h, .. }, mosaic) = best.expect("one try at least");
+        let (h, mosaic) = self.least_folded(h, mosaic, |found| off(found) < reach)?;
+        (self.builder.progress)(0.3);
         let relaxed = self.relaxed(mosaic, h)?;
         (self.builder.progress)(1.0);
         Ok(relaxed)
+    }
+
+    /// Of rows that pass over the whole surface, those of the least cost at nearly the same scale: which rows meet which is left to
+    /// chance where the surface is narrow. `is_near` says whether a count is as near as it must be.
+    fn least_folded(
+        &self,
+        h: f32,
+        mosaic: Mosaic,
+        is_near: impl Fn(usize) -> bool,
+    ) -> Result<(f32, Mosaic), ComputeError> {
+        let mut best = (h, mosaic);
+        for nearby in NEARBY {
+            if !best.1.is_folded() || best.1.cost() > CHANCELESS {
+                break;
+            }
+            let other = self.unrelaxed(h * nearby, 0.0)?;
+            let was_near = is_near(best.1.count());
+            if (is_near(other.count()) || !was_near) && other.cost() < best.1.cost() {
+                best = (h * nearby, other);
+            }
+        }
+        Ok(best)
     }
 
     /// The scale to try next: between the last ones that gave too few tiles and too many, or beyond the last.

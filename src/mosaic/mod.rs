@@ -34,7 +34,7 @@ pub use builder::{Effort, MosaicBuilder, longest_edges};
 pub use feature_samples::{CurveParameters, FeaturePoint, FeatureSample};
 
 use crate::field::Field;
-use crate::parametrize::{GridMetric, RowEnds};
+use crate::parametrize::{Distortion, GridMetric, RowEnds};
 use crate::sizes::Sizes;
 use crate::surface::Surface;
 
@@ -60,7 +60,12 @@ pub struct Mosaic {
     pub(crate) metric: Option<GridMetric>,
     /// The ends of rows of the parametrization.
     pub row_ends: Option<RowEnds>,
+    /// The distortion of the parametrization, where rows are continuous.
+    pub distortion: Option<Distortion>,
 }
+
+/// The cost of a distortion from which on rows fold so much that others are tried (docs/experiments.md, parametrization).
+const FOLDED: f64 = 0.1;
 
 impl Mosaic {
     /// The free tiles.
@@ -78,6 +83,16 @@ impl Mosaic {
     pub fn count(&self) -> usize {
         let own = (0..).zip(&self.feature_samples).filter(|(id, sample)| sample.same_place == *id).count();
         own + self.free().len()
+    }
+
+    /// The cost of the distortion of continuous rows; 0 for others.
+    pub(crate) fn cost(&self) -> f64 {
+        self.distortion.map_or(0.0, |distortion| distortion.cost(self.count()))
+    }
+
+    /// Whether continuous rows fold so much that others may be better.
+    pub(crate) fn is_folded(&self) -> bool {
+        self.cost() > FOLDED
     }
 
     /// Tiles on the features at the scale `h`, and these free tiles.
@@ -103,6 +118,7 @@ impl Mosaic {
             factors,
             metric: None,
             row_ends: None,
+            distortion: None,
         }
     }
 }

@@ -98,7 +98,7 @@ pub fn unknowns(
     let unknowns = (0..sectors.count()).map(|sector| {
         let first = sectors.first_corner[sector];
         let vertex = surface.origin(first);
-        let is_corner = surface.features().is_corner(vertex) && !released_ends.contains(&vertex);
+        let is_corner = sectors.is_corner(surface, vertex) && !released_ends.contains(&vertex);
         let own = fixed.len() as u32;
         if is_corner || sectors.quarters[sector] == 0 {
             fixed.extend([is_corner; 2]);

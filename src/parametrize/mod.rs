@@ -22,6 +22,7 @@
 //! Variants that were measured: docs/experiments.md, parametrization.
 
 mod cones;
+mod distortion;
 mod equations;
 mod grid_metric;
 pub mod integer_grid;
@@ -32,6 +33,7 @@ mod stiffening;
 mod transitions;
 
 pub use cones::Cone;
+pub use distortion::Distortion;
 pub use grid_metric::GridMetric;
 pub(crate) use grid_metric::PlacedCone;
 pub use row_ends::RowEnds;

@@ -15,6 +15,8 @@ use std::iter::zip;
 const REPEATS: usize = 5;
 /// A mesh that misses the wanted count by a larger share is made again.
 const COUNT_TOLERANCE: f64 = 0.02;
+/// For its count a mesh is made again so often.
+const MOST_CORRECTIONS: usize = 2;
 /// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where it still has more than two thirds of the faults,
 /// and more than so many, or is no better for so many times.
 const MANY: usize = 10;
@@ -35,11 +37,11 @@ pub(super) fn improve(
     let (mut places, mut miss) = (best.meshed.faulty_places(), best.miss(options));
     // The surface of the latest mesh, where that is not the best one.
     let mut latest = None;
-    let mut futile = 0;
+    let (mut futile, mut corrections) = (0, 0);
     for _ in 0..REPEATS {
         let is_off = miss.abs() > COUNT_TOLERANCE;
-        // For the count alone one correction is enough, or does not help.
-        if places.is_empty() && !(is_off && sizing.aim == 1.0) || best.meshed.is_hopeless() {
+        // For the count alone few corrections are enough, or do not help.
+        if places.is_empty() && !(is_off && corrections < MOST_CORRECTIONS) || best.meshed.is_hopeless() {
             break;
         }
         let mut clock = Clock::new(progress);
@@ -50,6 +52,7 @@ pub(super) fn improve(
         }
         if is_off {
             sizing.aim *= (-miss).exp();
+            corrections += 1;
         }
         let prepared = sizing.sized(surface, options, progress)?;
         let is_allowed = options.limits.expect_memory(best.surface.undivided().triangles, prepared.count).is_ok();

@@ -1,5 +1,6 @@
 //! The surface as the tiles need it: its features, the sizes of tiles and their number.
 
+use super::fallback::Fallback;
 use super::{Fineness, FinenessError, MOST_PARTS, Options, POINTS, PipelineError, unwatched};
 use crate::field::StretchError;
 use crate::mosaic;
@@ -31,6 +32,8 @@ pub(super) struct Sizing<'a> {
     ///
     /// [`MosaicBuilder::first_scale`]: crate::mosaic::MosaicBuilder::first_scale
     pub first_scale: f64,
+    /// How rows differ from those that the layout asks for.
+    pub fallback: Fallback,
 }
 
 /// The surface with the features that tiles of this fineness resolve, the sizes of the tiles, and the wanted number of vertices.
@@ -85,7 +88,8 @@ pub(super) fn prepared<'a>(
     if matches!(options.fineness, Fineness::Size(_)) {
         wanted.keep_scale(&surface, count)?;
     }
-    Sizing { wanted, count, aim: 1.0, first_scale: 1.0 }.sized(surface, options, progress)
+    Sizing { wanted, count, aim: 1.0, first_scale: 1.0, fallback: Fallback::default() }
+        .sized(surface, options, progress)
 }
 
 impl<'a> Sizing<'a> {

@@ -4,6 +4,7 @@
 //! for the others.
 
 mod block;
+mod flange;
 mod m6;
 mod plate;
 mod section;
@@ -31,6 +32,8 @@ pub enum Example {
     Plate,
     /// A box 2 x 2 x 1 with a bore of radius 0.7 through it: straight and round creases, genus 1.
     Block,
+    /// A ring of radii 0.5 and 1 and thickness 0.2 with 12 bolt holes of radius 0.07: round creases near each other, genus 13.
+    Flange,
 }
 
 /// A name that is no example surface's.
@@ -43,7 +46,7 @@ pub struct UnknownExample {
 
 impl Example {
     /// The names that [`Example::from_str`] knows.
-    pub const NAMES: [&str; 5] = ["m6", "torus", "sphere", "plate", "block"];
+    pub const NAMES: [&str; 6] = ["m6", "torus", "sphere", "plate", "block", "flange"];
 
     /// The number of triangles to ask for when there is no reason to ask for another.
     pub const DEFAULT_TRIANGLES: usize = 20_000;
@@ -51,7 +54,7 @@ impl Example {
     /// The numbers of triangles that a user may ask for.
     pub const TRIANGLES: RangeInclusive<usize> = 1..=20_000_000;
 
-    /// Triangulates this surface with about `triangles` triangles: within 20 % from 500 to 1,000,000. Fewer than 500 give
+    /// Triangulates this surface with about `triangles` triangles: within 20 % from 500 (the flange: 5,000) to 1,000,000. Fewer give
     /// the coarsest triangulation that still shows the shape.
     pub fn generate(&self, triangles: usize) -> Soup {
         match self {
@@ -60,6 +63,7 @@ impl Example {
             Self::Sphere => sphere::generate(triangles),
             Self::Plate => plate::generate(triangles),
             Self::Block => block::generate(triangles),
+            Self::Flange => flange::generate(triangles),
         }
     }
 }
@@ -75,6 +79,7 @@ impl FromStr for Example {
             "sphere" => Ok(Self::Sphere),
             "plate" => Ok(Self::Plate),
             "block" => Ok(Self::Block),
+            "flange" => Ok(Self::Flange),
             _ => Err(UnknownExample { name: name.to_owned() }),
         }
     }

@@ -1,0 +1,92 @@
+//! The rows that a surface can carry, in the layout of quads alone.
+//!
+//! # Theory
+//! Rows that pass over the whole surface are squeezed where features are near each other. The parametrization shows how much
+//! before there is a mesh: by its [`Distortion`](crate::parametrize::Distortion). Sides that fit the field make it less on smooth
+//! surfaces, and more between near features. Where it is too large either way, rows end in pairs of vertices of valence 3 and 5.
+
+use super::clock::Clock;
+use super::prepare::Sizing;
+use super::{Laying, Layout, Options, PipelineError, field};
+use crate::compute::Backend;
+use crate::field::Field;
+use crate::mosaic::Mosaic;
+use crate::parametrize::Rows;
+use crate::progress::Stage;
+use crate::sizes::Sizes;
+use crate::surface::Surface;
+
+/// The cost of a distortion from which on rows end (docs/experiments.md, parametrization).
+const SQUEEZED: f64 = 0.5;
+
+/// How rows differ from those that the layout asks for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Fallback {
+    /// It is not known yet.
+    #[default]
+    Unknown,
+    /// Not at all.
+    None,
+    /// Sides are equal.
+    EqualSides,
+    /// Sides are equal, and rows end.
+    RowEnds,
+}
+
+impl Fallback {
+    /// The options with these rows.
+    pub(super) fn applied(self, options: &Options) -> Options {
+        let options = options.clone();
+        match self {
+            Self::Unknown | Self::None => options,
+            Self::EqualSides => Options { fit: 0.0, ..options },
+            Self::RowEnds => Options { fit: 0.0, rows: Rows::Paper, ..options },
+        }
+    }
+}
+
+/// The field and the mosaic of `aim` tiles for a mesh of `count` vertices, with the rows that the surface can carry; they are
+/// chosen at the first time. Begins the stages of both.
+///
+/// # Errors
+/// Where the backend fails, or tiles cannot have the wanted aspect.
+pub(super) fn lay_carried(
+    surface: &Surface,
+    sizes: &Sizes,
+    [count, aim]: [usize; 2],
+    sizing: &mut Sizing,
+    options: &Options,
+    backend: &dyn Backend,
+    clock: &mut Clock,
+) -> Result<(Field, Mosaic), PipelineError> {
+    let progress = clock.progress;
+    let advance = |share| progress.advance(share);
+    let field_of = |fallback: Fallback| field(surface, sizes.clone(), count, &fallback.applied(options), backend);
+    let laid = |fallback: Fallback, field: &Field, first_scale, is_trial| {
+        let laying = Laying { options: &fallback.applied(options), first_scale, is_trial, progress: &advance };
+        laying.lay(surface, field, backend, aim)
+    };
+    let is_open = sizing.fallback == Fallback::Unknown && options.layout == Layout::Quads;
+
+    clock.begin(Stage::Field)?;
+    let mut field = field_of(sizing.fallback)?;
+
+    clock.begin(Stage::Mosaic)?;
+    let mut mosaic = laid(sizing.fallback, &field, sizing.first_scale, is_open)?;
+    if is_open {
+        sizing.fallback = Fallback::None;
+        if mosaic.is_folded() {
+            let other = field_of(Fallback::EqualSides)?;
+            let cost = laid(Fallback::EqualSides, &other, 1.0, true)?.cost();
+            if cost.min(mosaic.cost()) > SQUEEZED {
+                sizing.fallback = Fallback::RowEnds;
+                field = field_of(sizing.fallback)?;
+            } else if cost < mosaic.cost() {
+                sizing.fallback = Fallback::EqualSides;
+                field = other;
+            }
+            mosaic = laid(sizing.fallback, &field, 1.0, false)?;
+        }
+    }
+    Ok((field, mosaic))
+}
