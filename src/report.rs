@@ -3,17 +3,20 @@
 //! # Practice
 //! Compare [`Report::version`] with [`VERSION`] before the fields are read.
 
+mod faces;
 mod ineffective;
 mod singularities;
 
+pub use faces::{RegionFigures, WorstFace};
 pub use ineffective::Ineffective;
 
 use crate::compute::Backend;
 use crate::field::{Field, GuideReport, StretchReport};
 use crate::mesh::Mesh;
-use crate::mesh::check::{Faults, Kind, check};
+use crate::mesh::check::{Faults, Kind, check_joined};
 use crate::mesh::compare::{Comparison, Difference, check_against};
 use crate::mesh::connectivity::EditCounts;
+use crate::mesh::joints::joints;
 use crate::mesh::quality::Quality;
 use crate::mesh::triangulate::Triangulation;
 use crate::mosaic::{Mosaic, quality::TileQuality};
@@ -25,6 +28,7 @@ use crate::symmetry::{Asymmetry, Plane};
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Serialize;
 use singularities::{Found, singularities};
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// The version of [`Report`]'s fields. It grows where a field changes its meaning or is removed, not where one is added.
@@ -39,6 +43,12 @@ pub struct Report {
     pub version: u32,
     /// The program's name and version.
     pub program: String,
+    /// Why the mesh was not written; absent where it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    /// The options by their names on the command line; absent where they were not given there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub options: Option<GivenOptions>,
     /// The surface.
     pub surface: Input,
     /// The plane of symmetry; absent without one. All figures are those of the whole mesh, but for `edits` and `mosaic.row_ends`,
@@ -60,6 +70,10 @@ pub struct Report {
     pub before: Quality,
     /// Measures of the mesh.
     pub mesh: Quality,
+    /// The faces of each region of the mesh.
+    pub regions: Vec<RegionFigures>,
+    /// The ten faces of the least shape, the worst first.
+    pub worst: Vec<WorstFace>,
     /// Irregular vertices of the mesh, and those that the field demands.
     pub regularity: Regularity,
     /// The numbers of edits of the connectivity; absent without the optimisation.
@@ -77,6 +91,31 @@ pub struct Report {
     pub times: Vec<Time>,
     /// The time of all stages, in milliseconds.
     pub total_milliseconds: f64,
+}
+
+/// The values of options by their names, as the command line and its files of options have them.
+pub type GivenOptions = BTreeMap<String, serde_json::Value>;
+
+/// A report on a run that made no mesh.
+#[derive(Clone, Debug, Serialize)]
+pub struct FailureReport {
+    /// [`VERSION`].
+    pub version: u32,
+    /// The program's name and version.
+    pub program: String,
+    /// Why there is no mesh.
+    pub error: String,
+    /// The options by their names on the command line.
+    pub options: GivenOptions,
+    /// The name of the surface.
+    pub name: String,
+}
+
+impl FailureReport {
+    /// The report on the run on the surface called `name`.
+    pub fn new(name: &str, options: GivenOptions, error: String) -> Self {
+        Self { version: VERSION, program: PROGRAM.to_owned(), error, options, name: name.to_owned() }
+    }
 }
 
 /// A surface.
@@ -315,15 +354,19 @@ impl Report {
         Self {
             version: VERSION,
             program: PROGRAM.to_owned(),
+            error: None,
+            options: None,
             surface: Input::new(name, whole),
             symmetry: symmetry.map(SymmetryFigures::new),
             boundary: options.keep_boundary.map(|_| BoundaryFigures::of(&meshed.mesh)),
             asked: Asked::new(options.fineness),
             backend: Device::new(backend),
             field: FieldFigures::new(&outcome.field, &found),
-            ineffective: Ineffective::of(options, whole, mosaic.sides),
+            ineffective: Ineffective::of(options, whole, &mosaic),
             mosaic,
             before,
+            regions: RegionFigures::of(&meshed.mesh),
+            worst: WorstFace::of(&meshed.mesh),
             regularity: Regularity::of(&found, &mesh),
             mesh,
             edits: meshed.edits,
@@ -432,6 +475,8 @@ pub struct CheckReport {
     pub name: String,
     /// Measures of the mesh; absent where its faces name missing vertices.
     pub mesh: Option<Quality>,
+    /// The number of edges of more than two faces along which sheets meet; with a surface that tells where they do, 0.
+    pub joints: usize,
     /// Broken invariants of the mesh, with places in model units.
     pub faults: Faults,
     /// The comparison with a surface; absent without a surface.
@@ -450,8 +495,13 @@ pub struct Against {
 impl CheckReport {
     /// The report on the mesh called `name`; `against` is the name and the surface to compare it with.
     pub fn new(name: &str, mesh: &Mesh, against: Option<(&str, &Surface)>) -> Self {
+        let joints = if against.is_none() { joints(mesh) } else { Vec::new() };
         let (faults, against) = match against {
-            None => (check(mesh), None),
+            None => {
+                let mut branches = vec![false; mesh.points.len()];
+                joints.iter().flatten().for_each(|&v| branches[v as usize] = true);
+                (check_joined(mesh, &branches), None)
+            }
             Some((name, surface)) => {
                 let (faults, comparison) = check_against(mesh, surface);
                 (faults, Some(Against { surface: Input::new(name, surface), comparison }))
@@ -463,6 +513,7 @@ impl CheckReport {
             program: PROGRAM.to_owned(),
             name: name.to_owned(),
             mesh: measurable.then(|| Quality::with_holes(mesh, faults.hole_triangles())),
+            joints: joints.len(),
             faults,
             against,
         }

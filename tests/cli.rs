@@ -106,7 +106,10 @@ fn a_mesh_that_is_wrong_is_a_warning_or_with_strict_no_mesh() {
     let strict = [&["--strict"], &files[..]].concat();
     let (code, said) = run(&thin, &strict);
     let refused = said.strip_prefix("error: out.obj was not written: ").unwrap_or_else(|| panic!("{said}"));
-    assert_eq!((code, desk.names()), (Some(3), vec![]), "{said}");
+    assert_eq!((code, desk.names()), (Some(3), vec!["out.json".to_owned()]), "{said}");
+    let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+    assert_eq!(report["error"].as_str().map(|error| format!("error: {error}\n")), Some(said.clone()));
+    assert!(report["faults"]["list"].as_array().is_some_and(|faults| !faults.is_empty()));
     assert!(
         refused.contains(" faults; Euler characteristic 4") && refused.contains(" looks away from the surface"),
         "{said}"
@@ -114,12 +117,13 @@ fn a_mesh_that_is_wrong_is_a_warning_or_with_strict_no_mesh() {
     // What stands there already stays.
     desk.put("out.obj", SQUARE);
     assert_eq!(run(&thin, &strict).0, Some(3));
-    assert_eq!((text(&desk.bytes("out.obj")).as_str(), desk.names()), (SQUARE, vec!["out.obj".to_owned()]));
+    assert_eq!((text(&desk.bytes("out.obj")).as_str(), desk.names().len()), (SQUARE, 2));
 
     let (code, said) = run(&thin, &files);
     assert_eq!((code, desk.names()), (Some(0), ["out.json", "out.obj", "out.png"].map(str::to_owned).to_vec()));
     assert!(said.starts_with(&format!("warning: out.obj: {refused}")), "{said}");
     let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+    assert!(report["error"].is_null(), "a mesh was written");
     let faults = report["faults"]["list"].as_array().expect("a list");
     assert!(faults.iter().any(|fault| fault["kind"]["FlippedFace"]["face"].is_u64()), "{report}");
     assert_ne!(text(&desk.bytes("out.obj")), SQUARE);
@@ -242,7 +246,7 @@ fn bad_inputs_are_refused_with_their_place() {
     ];
     for (name, content, message) in files {
         desk.put(name, content);
-        let said = desk.refusal(1, &["mesh", name, "-o", "out.obj", "--report", "out.json"]);
+        let said = desk.refusal(1, &["mesh", name, "-o", "out.obj"]);
         assert!(said.contains(message), "{name}: {said}");
     }
     fs::create_dir(desk.path("folder.obj")).expect("a folder");
@@ -418,7 +422,10 @@ fn wrong_usage_is_told_from_failure() {
     let mesh = |more: &[&str]| desk.refusal(2, &[&["mesh", "example:sphere", "-o", "out.obj"], more].concat());
     for (more, message) in [
         (&["--points", "0"][..], "ask for 4 to 50000000 vertices"),
-        (&["--points", "-5"], "-5"),
+        (&["--points", "-5"], "invalid value '-5' for '--points <N>': ask for 4 to 50000000 vertices"),
+        (&["--size", "-0.5"], "invalid value '-0.5' for '--size <H>': a length is a number above 0"),
+        (&["--weld", "-1%"], "invalid value '-1%' for '--weld <TOL>': write a number above 0"),
+        (&["-5"], "unexpected argument '-5'"),
         (&["--points", "100", "--size", "1"], "cannot be used with"),
         (&["--refine-curvature", "0"], "from 1 to 90"),
         (&["--max-growth", "1"], "from 1.01 to 10"),
@@ -519,6 +526,73 @@ fn check_tells_good_from_broken() {
     assert!(said.contains("vertices   4\n") && said.contains("no faults; Euler characteristic 1"), "{said}");
     let said = desk.refusal(1, &["check", "none.obj"]);
     assert!(said.contains("none.obj"), "{said}");
+}
+
+/// A floor of `n` by `n` squares, and a wall of `n` by one on its first inner line.
+fn joined_sheets(n: usize) -> String {
+    let floor = (0..=n).flat_map(|j| (0..=n).map(move |i| format!("v {i} {j} 0\n")));
+    let top = (0..=n).map(|i| format!("v {i} 1 1\n"));
+    let at = |i: usize, j: usize| j * (n + 1) + i + 1;
+    let squares =
+        (0..n * n).map(|k| (k % n, k / n)).map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+    let wall = (0..n).map(|i| [at(i, 1), at(i + 1, 1), at(i + 1, n + 1), at(i, n + 1)]);
+    floor.chain(top).chain(squares.chain(wall).map(|[a, b, c, d]| format!("f {a} {b} {c} {d}\n"))).collect()
+}
+
+#[test]
+fn sheets_that_meet_are_no_faults_of_a_mesh() {
+    let desk = Desk::new();
+    desk.put("joined.obj", joined_sheets(4));
+    let said = desk.said(&["check", "joined.obj"]);
+    assert!(said.contains("sheets meet along 4 edges\n") && said.contains("no faults"), "{said}");
+    // Two tetrahedra with one edge in common.
+    let points = "v 0 0 0\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv -1 0 0\nv -1 -1 0\n";
+    desk.put(
+        "touching.obj",
+        format!("{points}f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 1 5 2\nf 1 2 6\nf 1 6 5\nf 2 5 6\n"),
+    );
+    let output = desk.run(&["check", "touching.obj"]);
+    let said = text(&output.stdout);
+    assert!(!said.contains("sheets meet") && said.contains("edge 0-1 has 4 faces at"), "{said}");
+    assert_eq!(output.status.code(), Some(1));
+}
+
+#[test]
+fn the_report_tells_options_regions_and_the_worst_faces() {
+    let desk = Desk::new();
+    desk.put("in.stl", two_solids(["left", "right"]));
+    let arguments = ["mesh", "in.stl", "--points", "60", "--crease", "30", "-o", "out.obj", "--report", "out.json"];
+    desk.said(&arguments);
+    let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+    let options = &report["options"];
+    assert_eq!((&options["points"], &options["crease"], &options["quads"]), (&60.into(), &30.into(), &"most".into()));
+    assert!(options["size"].is_null(), "what is not given and has no default is not there");
+    let mesh = read_mesh(&desk.path("out.obj")).expect("a mesh");
+    let regions = report["regions"].as_array().expect("a list");
+    let names: Vec<_> = regions.iter().map(|region| region["name"].as_str()).collect();
+    assert_eq!(names, [Some("left"), Some("right")]);
+    let faces: u64 =
+        regions.iter().flat_map(|one| ["quads", "triangles", "polygons"].map(|k| one[k].as_u64())).flatten().sum();
+    assert_eq!(faces, mesh.face_count() as u64);
+    let worst = report["worst"].as_array().expect("a list");
+    let shapes: Vec<f64> = worst.iter().filter_map(|face| face["shape"].as_f64()).collect();
+    assert!(shapes.len() == 10 && shapes.is_sorted(), "{shapes:?}");
+    let least = ["qg", "tg"].iter().filter_map(|measure| report["mesh"][measure]["min"].as_f64()).reduce(f64::min);
+    assert_eq!(least, Some(shapes[0]));
+    // A run that fails has a report as well, but none where wrong usage began none.
+    desk.put("bad.obj", format!("{SQUARE}f 1 2 9\n"));
+    let refused = |more: &[&str]| {
+        let file = ["mesh", "bad.obj", "-o", "bad_out.obj", "--report", "bad.json"];
+        let output = desk.run(&[&file, more].concat());
+        assert!(!output.status.success() && !desk.names().contains(&"bad_out.obj".to_owned()));
+        text(&output.stderr)
+    };
+    refused(&["--layout", "quads", "--quads", "paper"]);
+    assert!(!desk.names().contains(&"bad.json".to_owned()));
+    let said = refused(&["--points", "70"]);
+    let report: Value = serde_json::from_slice(&desk.bytes("bad.json")).expect("it is JSON");
+    assert_eq!(report["error"].as_str().map(|error| format!("error: {error}\n")), Some(said));
+    assert_eq!((&report["options"]["points"], &report["name"]), (&70.into(), &"bad.obj".into()));
 }
 
 #[test]

@@ -290,6 +290,20 @@ fn options_without_effect_are_warned_of() {
         (&["--ignore-regions"], "warning: ignoring regions had no effect", &[]),
         (&["--keep-uv"], "warning: keeping seams had no effect", &[]),
         (&["--keep-boundary"], "warning: keeping the boundary had no effect", &[]),
+        (&["--refine-curvature", "80"], "warning: refining by curvature had no effect", &[]),
+        (&["--around", "4"], "warning: the number of edges round thin parts had no effect", &["--around", "2"]),
+        (&["--around-holes", "9"], "warning: the number of edges round holes had no effect", &[]),
+        (&["--size-at", "-9,-9,-9,9,9,9:9"], "warning: the sizes at places", &["--size-at", "0,0,0,9,9,9:0.1"]),
+        (
+            &["--min-size", "1e-4"],
+            "warning: the least size had no effect",
+            &["--min-size", "0.1", "--size-at", "0,0,0,9,9,9:0.02"],
+        ),
+        (&["--max-size", "9"], "warning: the largest size had no effect", &["--max-size", "0.1"]),
+        (&["--weld", "1e-6"], "warning: welding had no effect", &[]),
+        (&["--imprint"], "warning: imprinting had no effect", &[]),
+        (&["--drop-parts", "0.1"], "warning: dropping parts had no effect", &[]),
+        (&["--fill-holes", "0.1"], "warning: filling holes had no effect", &["--preset", "scan"]),
         (&["--adapter", "none"], "warning: --adapter had no effect with --backend cpu", &[]),
     ] {
         let said = warned(idle);

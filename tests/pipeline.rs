@@ -328,6 +328,10 @@ fn progress_is_told_stage_by_stage() {
         let shares: Vec<f32> = told.iter().filter(|t| t.0 == stage).map(|t| t.1).collect();
         assert_eq!((shares[0], shares[shares.len() - 1]), (0.0, 1.0), "{}", stage.name());
         assert!(shares.iter().all(|s| (0.0..=1.0).contains(s)), "{}: {shares:?}", stage.name());
+        assert!(shares.is_sorted(), "{}: {shares:?}", stage.name());
+        let (mut inner, is_mosaic) = (shares, stage == Stage::Mosaic);
+        inner.dedup();
+        assert_eq!(inner.len() > 5, is_mosaic, "it moves where the time goes: {}, {inner:?}", stage.name());
     }
 }
 

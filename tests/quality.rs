@@ -1,7 +1,7 @@
 //! The measures against closed forms.
 
 use quadmosaic::mesh::Mesh;
-use quadmosaic::mesh::quality::{Quality, quad_shape, scaled_jacobian, triangle_shape};
+use quadmosaic::mesh::quality::{Quality, Range, corner_angles, quad_shape, scaled_jacobian, triangle_shape, warp};
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
 /// A few roundings of numbers near 1.
@@ -72,6 +72,39 @@ fn equilateral_triangle_scores_one() {
     assert!(triangle(1.0) < 0.99);
     assert_eq!(triangle(0.0), 0.0);
     assert_eq!(triangle_shape([[2.0; 3]; 3]), 0.0);
+}
+
+#[test]
+fn angles_and_warp_have_closed_forms() {
+    let angles = |corners: &[[f64; 3]]| corner_angles(corners).collect::<Vec<f64>>();
+    let is = |found: Vec<f64>, wanted: &[f64]| {
+        let close = found.iter().zip(wanted).all(|(found, wanted)| (found - wanted).abs() < 1e-9);
+        assert!(found.len() == wanted.len() && close, "{found:?}, not {wanted:?}");
+    };
+    is(angles(&rectangle(2.0, 1.0)), &[90.0; 4]);
+    is(angles(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), &[90.0, 45.0, 45.0]);
+    // An arrow: its third corner is reflex.
+    is(
+        angles(&[[0.0; 3], [3.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 3.0, 0.0]]),
+        &[90.0, 26.56505117707799, 216.86989764584402, 26.56505117707799],
+    );
+    // A square folded over a diagonal by a right angle, and by none.
+    for angle in [0.0, 30.0, 90.0] {
+        let (sin, cos) = f64::to_radians(angle).sin_cos();
+        let folded = [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, cos, sin]];
+        assert!((warp(folded) - angle).abs() < 1e-9, "{}", warp(folded));
+        let mut turned = folded;
+        turned.rotate_left(1);
+        assert!((warp(turned) - angle).abs() < 1e-9, "whichever corner is the first");
+    }
+    let mesh = grid(3);
+    let quality = Quality::of(&mesh);
+    let one = Some(Range { min: 1.0, mean: 1.0, max: 1.0 });
+    assert_eq!(quality.edge, one);
+    let mut stretched = mesh;
+    stretched.points.iter_mut().for_each(|point| point[1] *= 2.0);
+    assert_eq!(Quality::of(&stretched).edge, Some(Range { min: 1.0, mean: 1.5, max: 2.0 }));
+    assert_eq!((quality.angle.map(|of| of.max), quality.warp.map(|of| of.max)), (Some(90.0), Some(0.0)));
 }
 
 /// `n` by `n` unit squares.

@@ -3,6 +3,7 @@
 mod common;
 
 use common::surfaces::{example, flat, surface};
+use glam::{DQuat, DVec3, EulerRot};
 use quadmosaic::compute::Cpu;
 use quadmosaic::field::Guide;
 use quadmosaic::mesh::Mesh;
@@ -259,6 +260,51 @@ fn a_plane_is_found_or_refused() {
         .for_each(|point| *point = [point[0] + 0.5 * point[1], point[1] + 0.4 * point[2], point[2]]);
     let error = refused(&sheared, Symmetry::Auto);
     assert!(matches!(error, SymmetryError::NoPlane { distance, limit, .. } if distance > limit), "{error}");
+}
+
+#[test]
+fn a_turned_plane_is_found_and_told_by_its_normal() {
+    // Thicker at one end and turned, it is symmetric about one plane alone, which lies across no coordinate axis.
+    let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, -0.5, 0.8);
+    let turned = |mut soup: Soup| {
+        soup.points.iter_mut().for_each(|point| {
+            let factor = 1.0 + 0.3 * point[0];
+            let point_there = DVec3::new(point[0], factor * point[1], factor * point[2]);
+            *point = (turn * point_there + DVec3::new(3.0, 4.0, 5.0)).into();
+        });
+        soup
+    };
+    let soup = turned(bean());
+    let outcome = meshed(&soup, &options(1_000, Symmetry::Auto));
+    let plane = outcome.symmetry.as_ref().expect("a plane").plane;
+    let Axis::Oblique(normal) = plane.axis else { panic!("{plane}") };
+    assert!(DVec3::from(normal).cross(turn * DVec3::Y).length() < 1e-3, "{plane}");
+    assert!(plane.to_string().contains(" x ") && plane.to_string().contains(" z = "), "{plane}");
+    let farthest_image = |mesh: &Mesh, plane: Plane| {
+        let places: Vec<DVec3> = mesh.points.iter().map(|&point| point.into()).collect();
+        let nearest = |&point: &[f64; 3]| {
+            let image = DVec3::from(plane.image(point));
+            places.iter().map(|place| place.distance(image)).fold(f64::INFINITY, f64::min)
+        };
+        mesh.points.iter().map(nearest).fold(0.0, f64::max)
+    };
+    let Meshed { mesh, faults, differences, .. } = &outcome.meshed;
+    assert!(farthest_image(mesh, plane) < 1e-13, "{}", farthest_image(mesh, plane));
+    assert!(faults.is_clean() && differences.is_empty() && faults.euler == 2, "{faults}");
+    let on_plane = mesh.points.iter().filter(|&&point| plane.height(point).abs() < 1e-13).count();
+    assert!(on_plane > 40 && outcome.symmetry.is_some_and(|symmetry| symmetry.on_plane == on_plane), "{on_plane}");
+    let plain = meshed(&soup, &Options::new(Fineness::Points(1_000))).meshed.mesh;
+    assert!(farthest_image(&plain, plane) > 1e-3, "symmetry is not there by itself");
+    // Bent to one side, it has no plane.
+    let bent = turned(sideways(bean()));
+    let error = refused(&bent, Symmetry::Auto);
+    assert!(matches!(error, SymmetryError::NoPlane { distance, limit, .. } if distance > limit), "{error}");
+}
+
+/// Bent out of both its planes.
+fn sideways(mut soup: Soup) -> Soup {
+    soup.points.iter_mut().for_each(|point| point[1] += 0.5 * point[0].powi(3) + 0.3 * point[0] * point[2]);
+    soup
 }
 
 #[test]

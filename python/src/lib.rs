@@ -134,8 +134,8 @@ fn mesh(
     if !all.sizes.samples.is_empty() {
         all.fineness = Fineness::Sampled;
     }
-    for (name, value) in options {
-        all.set(&name, &value).map_err(of_value)?;
+    for (name, value) in &options {
+        all.set(name, value).map_err(of_value)?;
     }
     all.field.guides = match guides {
         None => Vec::new(),
@@ -162,7 +162,9 @@ fn mesh(
             Ok((file, vertices, sources, Attributes { list, ..Attributes::default() }, report))
         })
     })?;
-    let (file, vertices, sources, attributes, report) = done?.map_err(of_pipeline)?;
+    let (file, vertices, sources, attributes, mut report) = done?.map_err(of_pipeline)?;
+    // What a preset sets need not have an effect.
+    report.ineffective.retain(|option| options.iter().any(|(name, _)| name == option.option()));
     let coarse = of_precision(&soup, file.mesh().points.len());
     let idle = of_seams(&soup, &all);
     let warnings = report.warnings().into_iter().chain(report.wrong()).chain(coarse).chain(idle).collect();

@@ -10,11 +10,10 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, CommandFactory, FromArgMatches, value_parser};
 use quadmosaic::options::{Preset, Setting, layout, preset};
 use std::ffi::OsString;
-use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
-use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use toml::{Spanned, Value};
 
 /// The arguments that name other options.
 #[derive(Args)]
@@ -63,7 +62,7 @@ pub enum Request {
 /// # Errors
 /// Wrong usage, also where help is asked for; a file that cannot be read.
 pub fn parse(arguments: &[OsString]) -> anyhow::Result<Request> {
-    let plain = Arguments::command();
+    let plain = Arguments::command().mut_subcommands(with_negative_numbers);
     match plain.clone().try_get_matches_from(arguments) {
         Err(help) if !help.use_stderr() => return Err(help.into()),
         _ => {}
@@ -86,14 +85,28 @@ pub fn parse(arguments: &[OsString]) -> anyhow::Result<Request> {
     }
     let (start, end) = arguments.split_at(2);
     let all: Vec<OsString> = start.iter().cloned().chain(completion.arguments()).chain(end.iter().cloned()).collect();
-    if given.get_one(PRINT) != Some(&true) {
-        return run(command, &all);
-    }
     let name = subcommand.get_name();
+    if given.get_one(PRINT) != Some(&true) {
+        let matches = command.try_get_matches_from(&all)?;
+        let mut arguments = Arguments::from_arg_matches(&matches)?;
+        if let (super::Command::Mesh(mesh), Some(matches)) = (&mut arguments.command, matches.subcommand_matches(name))
+        {
+            mesh.options = completion.resulting(matches);
+        }
+        return Ok(Request::Run(arguments));
+    }
     let optional = command.mut_subcommand(name, |subcommand| subcommand.mut_args(|arg| arg.required(false)));
     let matches = optional.try_get_matches_from(&all)?;
     let matches = matches.subcommand_matches(name).unwrap_or(given);
-    Ok(Request::Print(completion.printed(matches)))
+    Ok(Request::Print(completion.resulting(matches).iter().map(Resulting::printed).collect()))
+}
+
+/// The same subcommand, whose values may be negative numbers: what is wrong with them is told.
+fn with_negative_numbers(subcommand: Command) -> Command {
+    subcommand.mut_args(|arg| {
+        let takes_values = arg.get_action().takes_values();
+        if takes_values { arg.allow_negative_numbers(true) } else { arg }
+    })
 }
 
 fn run(command: Command, arguments: &[OsString]) -> anyhow::Result<Request> {
@@ -206,43 +219,63 @@ impl<'a> Completion<'a> {
         self.given.iter().flat_map(Given::arguments)
     }
 
-    /// All options as a file has them, those of no effect as comments.
-    fn printed(&self, all: &ArgMatches) -> String {
-        let mut text = String::new();
+    /// All options that have a value.
+    fn resulting(&self, all: &ArgMatches) -> Vec<Resulting> {
+        let mut resulting = Vec::new();
         for (arg, name) in options(self.subcommand) {
             let id = arg.get_id().as_str();
             let Some(values) = all.get_raw(id) else { continue };
             let values: Vec<String> = values.map(|value| value.to_string_lossy().into_owned()).collect();
             let value = match (arg.get_action(), values.as_slice()) {
-                (ArgAction::Append, values) => {
-                    format!("[{}]", values.iter().map(|value| quoted(value)).collect::<Vec<_>>().join(", "))
-                }
-                (_, [value]) if is_flag(arg) => value.clone(),
-                (_, [value]) => number(value).unwrap_or_else(|| quoted(value)),
+                (ArgAction::Append, values) => Value::from(values.to_vec()),
+                (_, [value]) if is_flag(arg) => Value::from(value == "true"),
+                (_, [value]) => number(value).unwrap_or_else(|| Value::from(value.as_str())),
                 _ => continue,
             };
             let before = self.given.iter().find(|given| given.name == name && !self.is_on_command_line(arg));
             let origin = match all.value_source(id) {
                 Some(ValueSource::CommandLine) => before.map_or("command line", |given| given.origin.as_str()),
-                _ => "default",
+                _ => DEFAULT,
             };
-            // The options of the preset are printed themselves.
-            let hidden = if origin == "default" || id == PRESET { "# " } else { "" };
-            let _ = writeln!(text, "{hidden}{name} = {value}  # {origin}");
+            resulting.push(Resulting { name: name.to_owned(), value, origin: origin.to_owned() });
         }
-        text
+        resulting
+    }
+}
+
+/// The origin of options that are not given.
+const DEFAULT: &str = "default";
+
+/// An option that results from the command line, the file, the preset and the layout.
+#[derive(Clone)]
+pub struct Resulting {
+    /// Its long name.
+    pub name: String,
+    pub value: Value,
+    /// Where it is given.
+    origin: String,
+}
+
+impl Resulting {
+    /// Whether the user gave it, by itself.
+    pub fn is_given(&self) -> bool {
+        self.origin != DEFAULT && !self.origin.starts_with(PRESET)
+    }
+
+    /// A line of a file of options, one without effect as a comment.
+    fn printed(&self) -> String {
+        let Self { name, value, origin } = self;
+        // The options of the preset are printed themselves.
+        let hidden = if origin == DEFAULT || name == PRESET { "# " } else { "" };
+        format!("{hidden}{name} = {value}  # {origin}\n")
     }
 }
 
 /// A number, where the text is as TOML writes it.
-fn number(text: &str) -> Option<String> {
-    let is_whole = text.parse::<i64>().is_ok_and(|number| number.to_string() == text);
-    let is_real = text.parse::<f64>().is_ok_and(|number| number.is_finite() && number.to_string() == text);
-    (is_whole || is_real).then(|| text.to_owned())
-}
-
-fn quoted(text: &str) -> String {
-    toml::Value::from(text).to_string()
+fn number(text: &str) -> Option<Value> {
+    let whole = text.parse::<i64>().ok().map(Value::from);
+    let real = text.parse::<f64>().ok().filter(|number| number.is_finite()).map(Value::from);
+    whole.into_iter().chain(real).find(|number| number.to_string() == text)
 }
 
 /// The options that a name sets.

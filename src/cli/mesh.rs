@@ -1,20 +1,21 @@
 //! `quadmosaic mesh`.
 
 use super::backend::Machine;
-use super::config::ConfigArguments;
+use super::config::{ConfigArguments, Resulting};
 use super::input::Source;
 use super::mesh_output::MeshOutput;
 use super::method::MethodArguments;
 use super::output::{Output, expect_writable, page_path, picture_path, print_beside, warn, write_json};
 use super::progress::Progress;
-use super::{page, picture, summary};
+use super::{page, picture, sentence, summary};
 use anyhow::Context;
 use clap::{Args, CommandFactory, error::ErrorKind};
 use quadmosaic::export::MeshFile;
 use quadmosaic::page::write_page;
 use quadmosaic::picture::{Paint, View, mesh_scene, write_picture};
+use quadmosaic::report::{FailureReport, GivenOptions, Report};
 use quadmosaic::surface::AttributeKind;
-use quadmosaic::{Options, Outcome, Report, Soup, warnings};
+use quadmosaic::{Options, Outcome, Soup, warnings};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -32,6 +33,9 @@ pub struct Arguments {
 
     #[command(flatten)]
     _config: ConfigArguments,
+    /// The options that result.
+    #[arg(skip)]
+    pub options: Vec<Resulting>,
     #[command(flatten)]
     method: MethodArguments,
     /// Refuse a mesh with a fault: exit with code 3, write no file
@@ -75,6 +79,14 @@ Examples:
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.expect_writable()?;
+    mesh(arguments).unwrap_or_else(|error| {
+        arguments.report_failure(&error);
+        Err(error)
+    })
+}
+
+/// Writes the mesh; then what is beside it, whose error is the inner one.
+fn mesh(arguments: &Arguments) -> anyhow::Result<anyhow::Result<()>> {
     let options = arguments.method.options()?;
     arguments.machine.start_threads()?;
     let name = arguments.source.to_string();
@@ -89,10 +101,17 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     progress.end();
     let outcome = outcome.context(name.clone())?;
 
-    let (report, measuring) = timed(|| mesher.report(&name, &options, &outcome));
+    let (mut report, measuring) = timed(|| mesher.report(&name, &options, &outcome));
+    report.options = Some(arguments.given());
+    // What a preset sets need not have an effect.
+    report.ineffective.retain(|option| arguments.is_given(option.option()));
     let wrong = report.wrong();
     if let (true, Some(wrong)) = (arguments.strict, &wrong) {
-        return Err(Unsound(format!("{} was not written: {wrong}", arguments.output.output)).into());
+        let error = format!("{} was not written: {wrong}", arguments.output.output);
+        report.error = Some(error.clone());
+        let report = report.with_times(&[("read", reading), ("device", opening)], &[("measure", measuring)]);
+        warn(arguments.write_report(&report).err().map(|error| sentence(&error)));
+        return Err(Unsound(error).into());
     }
     let meshed = &outcome.meshed;
     let (written, writing) = timed(|| {
@@ -104,24 +123,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         report.with_times(&[("read", reading), ("device", opening)], &[("measure", measuring), ("write", writing)]);
     // The mesh is written: what is told of it must not depend on the rest.
     let beside = arguments.write_beside(&soup, &options, &outcome, &report);
-    if !arguments.quiet {
-        print_beside([&arguments.output.output].into_iter().chain(&arguments.report), &summary::of_run(&report))?;
-    }
-    warn(wrong.map(|wrong| format!("{}: {wrong}", arguments.output.output)));
-    warn(report.warnings());
-    warn(warnings::of_seams(&soup, &options));
-    let output = &arguments.output;
-    warn(warnings::of_attributes(&soup.attributes, output.format()?, &output.output.to_string()));
-    warn(warnings::of_precision(&soup, meshed.mesh.points.len()));
-    beside
+    Ok(arguments.tell(&soup, &options, &report).and(beside))
 }
 
 impl Arguments {
     /// Writes the results beside the mesh.
     fn write_beside(&self, soup: &Soup, options: &Options, outcome: &Outcome, report: &Report) -> anyhow::Result<()> {
-        if let Some(path) = &self.report {
-            write_json(path, report)?;
-        }
+        self.write_report(report)?;
         if let Some(path) = &self.picture {
             write_picture(path, &mesh_scene(&outcome.meshed.mesh, Paint::Sides), &View::default(), picture::SIZE)?;
         }
@@ -129,6 +137,29 @@ impl Arguments {
             write_page(path, &page::of_run(soup, options, outcome, report)?)?;
         }
         Ok(())
+    }
+
+    /// Prints the figures and the warnings.
+    fn tell(&self, soup: &Soup, options: &Options, report: &Report) -> anyhow::Result<()> {
+        let output = &self.output.output;
+        if !self.quiet {
+            print_beside([output].into_iter().chain(&self.report), &summary::of_run(report))?;
+        }
+        warn(report.wrong().map(|wrong| format!("{output}: {wrong}")));
+        warn(report.warnings());
+        warn(warnings::of_seams(soup, options));
+        warn(warnings::of_attributes(&soup.attributes, self.output.format()?, &output.to_string()));
+        warn(warnings::of_precision(soup, report.mesh.vertices));
+        Ok(())
+    }
+
+    /// Writes a report on a run that made no mesh. One that `--strict` refuses has a report of its own, and wrong usage is no run.
+    fn report_failure(&self, error: &anyhow::Error) {
+        let is_told = error.is::<Unsound>() || error.is::<clap::Error>();
+        if let Some(path) = self.report.as_ref().filter(|_| !is_told) {
+            let failure = FailureReport::new(&self.source.to_string(), self.given(), sentence(error));
+            warn(write_json(path, &failure).err().map(|error| sentence(&error)));
+        }
     }
 
     /// Checks, before long work, that the results can be written.
@@ -157,6 +188,21 @@ impl Arguments {
             taken.push(path);
         }
         Ok(())
+    }
+
+    /// The options that result, as reports have them.
+    fn given(&self) -> GivenOptions {
+        let value = |option: &Resulting| serde_json::to_value(&option.value).unwrap_or_default();
+        self.options.iter().map(|option| (option.name.clone(), value(option))).collect()
+    }
+
+    /// Whether the user gave an option, by itself; its name is that of the library.
+    fn is_given(&self, name: &str) -> bool {
+        self.options.iter().any(|option| option.name.replace('-', "_") == name && option.is_given())
+    }
+
+    fn write_report(&self, report: &Report) -> anyhow::Result<()> {
+        self.report.as_ref().map_or(Ok(()), |path| write_json(path, report))
     }
 }
 

@@ -9,7 +9,7 @@ pub struct RepairArguments {
     ///
     /// In model units, or as 0.001% a share of the model's diagonal, or as 0.1x in sides of a tile. Without it points are merged that
     /// differ by rounding
-    #[arg(long, value_name = "TOL", help_heading = "Repairs")]
+    #[arg(long, value_name = "TOL", allow_hyphen_values = true, help_heading = "Repairs")]
     weld: Option<Length>,
     /// Join open boundaries to the sheets that they touch
     ///
@@ -20,12 +20,12 @@ pub struct RepairArguments {
     /// Drop connected parts smaller than SIZE
     ///
     /// Those whose bounding box has a diagonal below SIZE: in model units, or as 3x in sides of a tile, or as 1% of the model's diagonal
-    #[arg(long, value_name = "SIZE", help_heading = "Repairs")]
+    #[arg(long, value_name = "SIZE", allow_hyphen_values = true, help_heading = "Repairs")]
     drop_parts: Option<Length>,
     /// Fill holes (open boundary loops) smaller than SIZE
     ///
     /// Those whose bounding box has a diagonal below SIZE, which is as for --drop-parts
-    #[arg(long, value_name = "SIZE", help_heading = "Repairs")]
+    #[arg(long, value_name = "SIZE", allow_hyphen_values = true, help_heading = "Repairs")]
     fill_holes: Option<Length>,
 }
 

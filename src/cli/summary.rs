@@ -2,7 +2,7 @@
 
 use quadmosaic::mesh::compare::{Comparison, Difference, Farthest, FeatureDistance};
 use quadmosaic::mesh::connectivity::EditCounts;
-use quadmosaic::mesh::quality::{Quality, Spread};
+use quadmosaic::mesh::quality::{Quality, Range, Spread};
 use quadmosaic::report::{
     Against, Asked, CheckReport, DroppedCreases, FieldFigures, FieldReport, Input, MosaicReport, Report,
     SymmetryFigures,
@@ -27,6 +27,7 @@ pub fn figures_of_run(report: &Report) -> Vec<(&'static str, String)> {
         ("field", field(&report.field)),
         ("vertices", format!("{} ({})", mesh.vertices, asked(report.asked))),
         ("faces", faces(mesh)),
+        ("edges", edges(mesh)),
         ("Qr", format!("{:.3} ({:.3} before clean-up)", mesh.qr, before.qr)),
         ("Qg", spread(mesh.qg)),
         ("Tg", spread(mesh.tg)),
@@ -83,6 +84,9 @@ pub fn of_check(report: &CheckReport) -> String {
 /// The figures of a mesh, each with its name.
 pub fn figures_of_check(report: &CheckReport) -> Vec<(&'static str, String)> {
     let mut entries = report.mesh.as_ref().map(measures).unwrap_or_default();
+    if report.joints > 0 {
+        entries.push(("joints", format!("sheets meet along {}", counted(report.joints, "edge"))));
+    }
     entries.push(("check", report.faults.to_string()));
     if let Some(Against { surface: input, comparison }) = &report.against {
         entries.extend([("surface", surface(input)), ("repairs", repaired(input)), ("features", features(input))]);
@@ -98,7 +102,7 @@ fn measures(mesh: &Quality) -> Vec<(&'static str, String)> {
     vec![
         ("vertices", mesh.vertices.to_string()),
         ("faces", faces(mesh)),
-        ("edges", format!("{:.4e} in the mean, deviation {:.1} %", mesh.mean_edge, 100.0 * mesh.edge_cv)),
+        ("edges", edges(mesh)),
         ("Qr", format!("{:.3}", mesh.qr)),
         ("Qg", spread(mesh.qg)),
         ("Tg", spread(mesh.tg)),
@@ -240,6 +244,11 @@ fn faces(mesh: &Quality) -> String {
         count => format!(", {count} of more sides"),
     };
     format!("{}, {}{larger}", counted(mesh.quads, "quad"), counted(mesh.triangles, "triangle"))
+}
+
+fn edges(mesh: &Quality) -> String {
+    let ends = mesh.edge.map_or(String::new(), |Range { min, max, .. }| format!(", {min:.4e} to {max:.4e}"));
+    format!("{:.4e} in the mean, deviation {:.1} %{ends}", mesh.mean_edge, 100.0 * mesh.edge_cv)
 }
 
 fn edits(counts: EditCounts) -> String {

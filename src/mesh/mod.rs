@@ -15,6 +15,7 @@ pub mod finish;
 pub(crate) mod incidence;
 mod intrinsic;
 pub mod join;
+pub mod joints;
 mod metric;
 mod objective;
 mod orientation;

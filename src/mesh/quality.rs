@@ -38,6 +38,26 @@ impl Spread {
     }
 }
 
+/// The least, mean and largest value of a measure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Range {
+    /// The least value.
+    pub min: f64,
+    /// Arithmetic mean.
+    pub mean: f64,
+    /// The largest value.
+    pub max: f64,
+}
+
+impl Range {
+    /// That of some values; `None` where there are none.
+    fn of(values: &[f64]) -> Option<Self> {
+        let min = values.iter().copied().reduce(f64::min)?;
+        let max = values.iter().copied().reduce(f64::max)?;
+        Some(Self { min, mean: values.iter().sum::<f64>() / values.len() as f64, max })
+    }
+}
+
 /// The percentile of sorted values, at least one, at a share; linear between the two nearest.
 pub(super) fn percentile(sorted: &[f64], share: f64) -> f64 {
     let place = share * (sorted.len() - 1) as f64;
@@ -73,6 +93,12 @@ pub struct Quality {
     pub mean_edge: f64,
     /// Standard deviation of the edge length over its mean.
     pub edge_cv: f64,
+    /// Edge lengths.
+    pub edge: Option<Range>,
+    /// Angles at the corners of the faces, in degrees, see [`corner_angles`].
+    pub angle: Option<Range>,
+    /// Warp of the quads, in degrees, see [`warp`].
+    pub warp: Option<Range>,
 }
 
 impl Quality {
@@ -85,14 +111,17 @@ impl Quality {
     pub fn with_holes(mesh: &Mesh, hole_triangles: usize) -> Self {
         let point = |vertex: u32| mesh.points[vertex as usize];
         let (mut triangle_shapes, mut quad_shapes, mut jacobians) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut angles, mut warps) = (Vec::with_capacity(mesh.corners.len()), Vec::new());
         let (mut polygons, mut covering) = (0, hole_triangles);
         for face in mesh.faces() {
+            angles.extend(corner_angles(&face.iter().map(|&v| point(v)).collect::<Vec<_>>()));
             match *face {
                 [a, b, c] => triangle_shapes.push(triangle_shape([a, b, c].map(point))),
                 [a, b, c, d] => {
                     let corners = [a, b, c, d].map(point);
                     quad_shapes.push(quad_shape(corners));
                     jacobians.push(scaled_jacobian(corners));
+                    warps.push(warp(corners));
                 }
                 _ => {
                     polygons += 1;
@@ -123,6 +152,9 @@ impl Quality {
             irregular_vertices: interior().filter(|(valence, _)| **valence != 4).count(),
             mean_edge,
             edge_cv: if mean_edge > 0.0 { variance.sqrt() / mean_edge } else { 0.0 },
+            edge: Range::of(&lengths),
+            angle: Range::of(&angles),
+            warp: Range::of(&warps),
         }
     }
 
@@ -212,4 +244,27 @@ pub fn scaled_jacobian(corners: [[f64; 3]; 4]) -> f64 {
             if product > 0.0 { areas[k] / product } else { 0.0 }
         })
         .fold(f64::INFINITY, f64::min)
+}
+
+/// The angle at each corner of a face, in degrees: below 180 where the corner is convex against the face's normal, above where it is
+/// reflex; 0 beside a side without length.
+pub fn corner_angles(corners: &[[f64; 3]]) -> impl Iterator<Item = f64> {
+    let count = corners.len();
+    let at = move |k: usize| DVec3::from(corners[k % count]);
+    let normal: DVec3 = (0..count).map(|k| (at(k) - at(0)).cross(at(k + 1) - at(0))).sum();
+    (0..count).map(move |k| {
+        let [next, last] = [at(k + 1) - at(k), at(k + count - 1) - at(k)];
+        let angle = next.cross(last).length().atan2(next.dot(last)).to_degrees();
+        if next.cross(last).dot(normal) < 0.0 { 360.0 - angle } else { angle }
+    })
+}
+
+/// The angle, in degrees, between the normals of the triangles that a diagonal cuts a quad into, the larger one of both diagonals:
+/// 0 where the quad is flat.
+pub fn warp(corners: [[f64; 3]; 4]) -> f64 {
+    let q = corners.map(DVec3::from);
+    // The normal at each corner; a diagonal separates two opposite ones.
+    let normals: [DVec3; 4] = std::array::from_fn(|k| (q[(k + 1) % 4] - q[k]).cross(q[(k + 3) % 4] - q[k]));
+    let between = |a: DVec3, b: DVec3| a.cross(b).length().atan2(a.dot(b)).to_degrees();
+    between(normals[0], normals[2]).max(between(normals[1], normals[3]))
 }

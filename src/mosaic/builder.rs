@@ -13,6 +13,8 @@ use crate::parametrize::{GridMetric, Parametrization, Rows};
 use crate::sizes::Sizes;
 use crate::surface::Surface;
 use glam::Vec3;
+use std::cell::Cell;
+use std::ops::Range;
 
 /// The longest edge that the parametrization sees rows across, in tile sides.
 const LONGEST_EDGE: f64 = 0.9;
@@ -73,7 +75,7 @@ pub struct MosaicBuilder<'a> {
     /// Whether a mosaic whose continuous rows fold much is given as it is laid first, whatever its count, as another field may fit
     /// better.
     pub is_trial: bool,
-    /// Receives the progress, from 0 to 1; it begins anew where a mosaic is laid again for its count.
+    /// Receives the progress, from 0 to 1; it stays where a mosaic is laid again for its count.
     pub progress: &'a dyn Fn(f32),
 }
 
@@ -81,7 +83,14 @@ pub struct MosaicBuilder<'a> {
 pub(super) struct Laying<'a> {
     pub builder: &'a MosaicBuilder<'a>,
     pub relaxation: Option<Box<dyn RelaxationContext + 'a>>,
+    /// The largest share of the work that was reported.
+    pub reported: Cell<f32>,
 }
+
+/// The share of the work that tiles take until their finest level is relaxed.
+pub(super) const UNRELAXED: f32 = 0.3;
+/// The share with the relaxation.
+pub(super) const RELAXED: f32 = 0.95;
 
 impl MosaicBuilder<'_> {
     /// Whether tiles are relaxed after they are laid.
@@ -98,14 +107,24 @@ impl Laying<'_> {
     pub(super) fn unrelaxed(&self, h: f32, tilt: f32) -> Result<Mosaic, ComputeError> {
         let &MosaicBuilder { surface, field, effort, .. } = self.builder;
         let splits = splits(surface, field.sizes(), f64::from(h), effort.solved);
+        // Each level has nine times as many tiles as the one before.
+        let share = |split: i32| UNRELAXED * 9f32.powi(split - splits);
         let mut mosaic = self.laid(h, tilt, 3u32.pow(splits as u32))?;
+        self.report(share(0));
         if self.relaxation.is_some() {
             for split in 1..=splits {
-                mosaic = self.relaxed(mosaic, h * 3f32.powi(splits - split + 1))?;
+                mosaic = self.relaxed(mosaic, h * 3f32.powi(splits - split + 1), share(split - 1)..share(split))?;
                 mosaic = self.refined(&mosaic, h * 3f32.powi(splits - split));
             }
         }
+        self.report(UNRELAXED);
         Ok(mosaic)
+    }
+
+    /// Reports the share of the work that is done; it never falls.
+    pub(super) fn report(&self, share: f32) {
+        self.reported.set(share.max(self.reported.get()));
+        (self.builder.progress)(self.reported.get());
     }
 
     /// Tiles on the integer grid of a parametrization that is solved at the scale `h * finer`: at that scale where they will
@@ -159,18 +178,24 @@ impl Laying<'_> {
         Mosaic { row_ends: coarse.row_ends, ..insert_delete::insert_and_delete(surface, field, &refined) }
     }
 
-    /// Relaxed in batches, tiles being inserted and deleted after each; as it is where tiles are not relaxed.
+    /// Relaxed in batches, tiles being inserted and deleted after each; as it is where tiles are not relaxed. The shares of the work
+    /// at the start and the end are `shares`.
     ///
     /// # Errors
     /// Where the backend fails.
-    pub(super) fn relaxed(&self, mut mosaic: Mosaic, h: f32) -> Result<Mosaic, ComputeError> {
+    pub(super) fn relaxed(&self, mut mosaic: Mosaic, h: f32, shares: Range<f32>) -> Result<Mosaic, ComputeError> {
         let Some(context) = &self.relaxation else { return Ok(mosaic) };
         let &MosaicBuilder { surface, field, effort, .. } = self.builder;
         let relaxation = Relaxation::new(effort.steps, h, field.sizes());
-        for _ in 0..effort.batches {
+        let report = |done: f32| {
+            self.report(shares.start + (shares.end - shares.start) * done / effort.batches as f32);
+        };
+        for batch in 0..effort.batches {
             let tiles = context.relax(&mosaic.tiles, &relaxation)?;
+            report(batch as f32 + 0.8);
             let is_still = movement(&mosaic.tiles, &tiles) < STILL;
             mosaic = insert_delete::insert_and_delete(surface, field, &Mosaic { tiles, ..mosaic });
+            report(batch as f32 + 1.0);
             if is_still {
                 break;
             }

@@ -5,9 +5,10 @@
 //! relaxed on the finest level.
 
 use super::Mosaic;
-use super::builder::{Laying, MosaicBuilder};
+use super::builder::{Laying, MosaicBuilder, RELAXED, UNRELAXED};
 use crate::compute::ComputeError;
 use crate::parametrize::Rows;
+use std::cell::Cell;
 
 /// A mosaic may miss the asked count by this share before another one is laid.
 const COUNT_ERROR: f64 = 0.01;
@@ -52,9 +53,7 @@ impl MosaicBuilder<'_> {
         self.laying(|laying| {
             let h = self.field.sizes().side_for_count(self.surface, count);
             let mosaic = laying.unrelaxed(h, 0.0)?;
-            (self.progress)(0.3);
-            let relaxed = laying.relaxed(mosaic, h)?;
-            (self.progress)(1.0);
+            let relaxed = laying.relaxed(mosaic, h, UNRELAXED..RELAXED)?;
             Ok(Mosaic { wanted: count, aimed: count, ..relaxed })
         })
     }
@@ -72,7 +71,9 @@ impl MosaicBuilder<'_> {
     fn laying(&self, lay: impl FnOnce(&Laying) -> Result<Mosaic, ComputeError>) -> Result<Mosaic, ComputeError> {
         let surface = self.relaxes().then(|| self.field.relaxation_surface(self.surface));
         let relaxation = surface.as_ref().map(|surface| self.backend.relaxation(surface)).transpose()?;
-        lay(&Laying { builder: self, relaxation })
+        let mosaic = lay(&Laying { builder: self, relaxation, reported: Cell::new(0.0) })?;
+        (self.progress)(1.0);
+        Ok(mosaic)
     }
 }
 
@@ -136,10 +137,7 @@ impl Laying<'_> {
         }
         let (Try { h, .. }, mosaic) = best.expect("one try at least");
         let (h, mosaic) = self.least_folded(h, mosaic, |found| off(found) < reach)?;
-        (self.builder.progress)(0.3);
-        let relaxed = self.relaxed(mosaic, h)?;
-        (self.builder.progress)(1.0);
-        Ok(relaxed)
+        self.relaxed(mosaic, h, UNRELAXED..RELAXED)
     }
 
     /// Of rows that pass over the whole surface, those of the least cost at nearly the same scale: which rows meet which is left to

@@ -1,7 +1,8 @@
 //! The half of a surface on one side of a plane.
 //!
 //! # Practice
-//! Triangles that cross the plane are cut; new vertices, and those within [`ON_PLANE`] of the plane, have its coordinate bit for bit.
+//! Triangles that cross the plane are cut; new vertices, and those within [`ON_PLANE`] of the plane, have its coordinate bit for bit
+//! where it lies across a coordinate axis.
 //! What the cut cannot make a boundary of one sheet is refused.
 
 use super::{ON_PLANE, Plane, SymmetryError};
@@ -56,11 +57,13 @@ impl<'a> Cutter<'a> {
 
     /// A vertex in model units, on the plane where it is within the tolerance.
     fn point(&self, vertex: u32) -> [f64; 3] {
-        let mut point = self.surface.model_point(self.surface.same_place(vertex));
-        if self.height(vertex) == 0.0 {
-            point[self.plane.axis.index()] = self.plane.offset;
-        }
-        point
+        let point = self.surface.model_point(self.surface.same_place(vertex));
+        if self.height(vertex) == 0.0 { self.plane.onto(point) } else { point }
+    }
+
+    /// Whether a point of the half lies on the plane, where all others are farther away than the tolerance.
+    fn is_on_plane(&self, point: [f64; 3]) -> bool {
+        self.plane.height(point).abs() <= self.tolerance
     }
 
     /// Whether a part of a triangle is kept.
@@ -73,7 +76,7 @@ impl<'a> Cutter<'a> {
         if sides == [true, true] {
             return Ok(());
         }
-        let along = |v: u32| self.surface.model_point(v)[self.plane.axis.index()];
+        let along = |v: u32| self.plane.axis.along(self.surface.model_point(v));
         let all = || (0..self.surface.vertex_count() as u32).map(along);
         let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
         Err(SymmetryError::OneSide { plane: self.plane, low, high })
@@ -144,9 +147,7 @@ impl<'a> Cutter<'a> {
     fn crossing(&self, [a, b]: [u32; 2]) -> [f64; 3] {
         let [a, b] = if self.height(a) > 0.0 { [a, b] } else { [b, a] };
         let share = self.height(a) / (self.height(a) - self.height(b));
-        let mut point: [f64; 3] = DVec3::from(self.point(a)).lerp(self.point(b).into(), share).into();
-        point[self.plane.axis.index()] = self.plane.offset;
-        point
+        self.plane.onto(DVec3::from(self.point(a)).lerp(self.point(b).into(), share).into())
     }
 
     /// Notes which sides of a kept part are on the rim, and which are features whatever their angle.
@@ -156,7 +157,7 @@ impl<'a> Cutter<'a> {
         let region = |h: u32| regions.get(h as usize / 3);
         for (k, &(start, half_edge)) in polygon.iter().enumerate() {
             let end = polygon[(k + 1) % polygon.len()].0;
-            let is_on_plane = [start, end].iter().all(|&v| self.plane.height(parts.points[v as usize]) == 0.0);
+            let is_on_plane = [start, end].iter().all(|&v| self.is_on_plane(parts.points[v as usize]));
             let Some(h) = half_edge.filter(|_| !is_on_plane) else {
                 if is_on_plane {
                     let shares = half_edge.and_then(|h| surface.twin(h)).is_some_and(|twin| self.is_kept(twin / 3));
@@ -178,7 +179,7 @@ impl<'a> Cutter<'a> {
     fn rim(&self, parts: &Parts) -> Result<f64, SymmetryError> {
         let mut is_on_rim = vec![false; parts.points.len()];
         parts.rim.iter().flatten().for_each(|&v| is_on_rim[v as usize] = true);
-        let is_lone = |(point, is_on_rim): &(&[f64; 3], bool)| !is_on_rim && self.plane.height(**point) == 0.0;
+        let is_lone = |(point, is_on_rim): &(&[f64; 3], bool)| !is_on_rim && self.is_on_plane(**point);
         if let Some((&point, _)) = parts.points.iter().zip(is_on_rim).find(is_lone) {
             return Err(self.touches(point));
         }

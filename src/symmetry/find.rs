@@ -5,13 +5,15 @@
 //! surface's vertices, and of points spread evenly over it, to the surface.
 //!
 //! # Practice
-//! A plane is looked for across the axes x, y and z: through the origin, the middle of the bounding box and the centre of area.
+//! A plane is looked for across the axes x, y and z: through the origin, the middle of the bounding box and the centre of area. Where
+//! the surface is symmetric about none of them, its principal axes of inertia through the centre of area are tried: a plane of symmetry
+//! lies across one of them. Where two of its moments are equal, as those of a turned cube, these axes are arbitrary and none may be found.
 
 use super::{Axis, Plane, SymmetryError};
 use crate::surface::Surface;
 use crate::surface::nearest::Triangles;
 use crate::surface::sampling::sample_evenly;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -68,16 +70,17 @@ impl<'a> Comparison<'a> {
     /// # Errors
     /// Where there is none.
     pub fn find(&self) -> Result<(Plane, Asymmetry), SymmetryError> {
-        let step = self.points.len().div_ceil(FEW);
-        let mut best: Option<(Plane, f64)> = None;
-        for plane in self.candidates() {
-            let distance = self.of_each(plane, step).distance;
-            if best.is_none_or(|best| distance < best.1 - SAME * self.surface.frame().diagonal) {
-                best = Some((plane, distance));
-            }
-        }
-        let plane = best.map_or(Plane { axis: Axis::X, offset: 0.0 }, |best| best.0);
-        let found = self.about(plane);
+        let (centre, axes) = self.principal_axes();
+        let places = [[0.0; 3], self.surface.frame().centre, centre];
+        let across = |axis: Axis| places.map(|place| Plane { axis, offset: axis.along(place) });
+        let straight = self.best(Axis::ALL.into_iter().flat_map(across));
+        // An oblique plane costs the exact images: it is a last resort.
+        let (plane, found) = if straight.1.tiles <= SYMMETRIC {
+            straight
+        } else {
+            let oblique = self.best(axes.into_iter().map(|axis| Plane { axis, offset: axis.along(centre) }));
+            if oblique.1.tiles < straight.1.tiles { oblique } else { straight }
+        };
         if found.tiles <= SYMMETRIC {
             return Ok((plane, found));
         }
@@ -85,23 +88,44 @@ impl<'a> Comparison<'a> {
         Err(SymmetryError::NoPlane { plane, distance: found.distance, at: found.at, limit })
     }
 
-    fn candidates(&self) -> Vec<Plane> {
-        let area = |t: usize| f64::from(self.surface.double_area(t));
-        let middle = |t: usize| self.surface.corners(t).iter().map(|corner| corner.as_dvec3()).sum::<DVec3>() / 3.0;
-        let triangles = 0..self.surface.triangle_count();
-        let moment: DVec3 = triangles.clone().map(|t| middle(t) * area(t)).sum();
-        let centre = self.surface.frame().to_model((moment / triangles.map(area).sum::<f64>()).into());
-        let places = [[0.0; 3], self.surface.frame().centre, centre];
-        let planes = |axis: Axis| places.map(|place| Plane { axis, offset: place[axis.index()] });
-        Axis::ALL.into_iter().flat_map(planes).collect()
+    /// The plane of the least asymmetry, the first one of equals.
+    fn best(&self, planes: impl Iterator<Item = Plane>) -> (Plane, Asymmetry) {
+        let step = self.points.len().div_ceil(FEW);
+        let mut best: Option<(Plane, f64)> = None;
+        for plane in planes {
+            let distance = self.of_each(plane, step).distance;
+            if best.is_none_or(|best| distance < best.1 - SAME * self.surface.frame().diagonal) {
+                best = Some((plane, distance));
+            }
+        }
+        let plane = best.map_or(Plane { axis: Axis::X, offset: 0.0 }, |best| best.0);
+        (plane, self.about(plane))
+    }
+
+    /// The centre of area, in model units, and the principal axes of inertia of the surface, a sheet of equal mass.
+    fn principal_axes(&self) -> ([f64; 3], [Axis; 3]) {
+        let frame = self.surface.frame();
+        let (mut area, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
+        let product = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
+        for t in 0..self.surface.triangle_count() {
+            let corners = self.surface.corners(t).map(|corner| corner.as_dvec3());
+            let sum: DVec3 = corners.iter().sum();
+            let own = f64::from(self.surface.double_area(t));
+            area += own;
+            first += sum / 3.0 * own;
+            // The integral of x x^T over a triangle.
+            second += corners.iter().fold(product(sum), |sum, &corner| sum + product(corner)) * (own / 12.0);
+        }
+        let centre = first / area;
+        let axes = eigenvectors(second * (1.0 / area) - product(centre));
+        (frame.to_model(centre.into()), axes.map(|axis| Axis::Oblique(axis.into())))
     }
 
     /// The asymmetry as each point of so many tells it.
     fn of_each(&self, plane: Plane, step: usize) -> Asymmetry {
         let frame = self.surface.frame();
-        let mut origin = frame.centre;
-        origin[plane.axis.index()] = plane.offset;
-        let plane = Plane { offset: frame.to_unit(origin)[plane.axis.index()], ..plane };
+        let origin = frame.to_unit(plane.onto(frame.centre));
+        let plane = Plane { offset: plane.axis.along(origin), ..plane };
         let measured = self.points.par_iter().step_by(step).enumerate().map(|(k, &point)| {
             let image = DVec3::from(plane.image(point.into()));
             (self.triangles.nearest(image).1, k, image)
@@ -109,5 +133,46 @@ impl<'a> Comparison<'a> {
         let farthest = measured.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
         let (distance, _, image) = farthest.unwrap_or_default();
         Asymmetry { distance: distance * frame.diagonal, tiles: distance / self.side, at: frame.near(image.into()) }
+    }
+}
+
+/// Sweeps of rotations: they converge quadratically.
+const SWEEPS: usize = 10;
+
+/// The eigenvectors of a symmetric matrix, of length 1, their largest coordinates positive, by Jacobi's rotations.
+fn eigenvectors(mut matrix: DMat3) -> [DVec3; 3] {
+    let mut vectors = DMat3::IDENTITY;
+    for (p, q) in [(0, 1), (0, 2), (1, 2)].repeat(SWEEPS) {
+        let angle = 0.5 * (2.0 * matrix.col(q)[p]).atan2(matrix.col(p)[p] - matrix.col(q)[q]);
+        let (sin, cos) = angle.sin_cos();
+        let mut rotation = DMat3::IDENTITY;
+        (rotation.col_mut(p)[p], rotation.col_mut(p)[q]) = (cos, sin);
+        (rotation.col_mut(q)[p], rotation.col_mut(q)[q]) = (-sin, cos);
+        matrix = rotation.transpose() * matrix * rotation;
+        vectors *= rotation;
+    }
+    [0, 1, 2].map(|k| {
+        let vector = vectors.col(k).normalize();
+        let largest = vector.abs().max_position();
+        vector * vector[largest].signum()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenvectors_are_those_of_the_matrix() {
+        let matrix = DMat3::from_cols_array(&[4.0, 1.0, -2.0, 1.0, 3.0, 0.5, -2.0, 0.5, 1.0]);
+        let vectors = eigenvectors(matrix);
+        for vector in vectors {
+            let image = matrix * vector;
+            assert!((image - vector * image.dot(vector)).length() < 1e-14, "{vector}");
+            assert!((vector.length() - 1.0).abs() < 1e-14 && vector.max_element() >= -vector.min_element());
+        }
+        assert!(DMat3::from_cols(vectors[0], vectors[1], vectors[2]).determinant().abs() > 1.0 - 1e-14, "they differ");
+        let other = DVec3::new(1.0, 0.0, 0.0);
+        assert!((matrix * other - other * (matrix * other).dot(other)).length() > 1.0, "other vectors turn");
     }
 }

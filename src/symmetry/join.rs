@@ -4,7 +4,7 @@ use super::Plane;
 use crate::mesh::Mesh;
 use crate::surface::{NONE, Regions};
 
-/// A mesh that is symmetric about a plane bit for bit.
+/// A mesh that is symmetric about a plane, bit for bit where the plane lies across a coordinate axis.
 #[derive(Clone, Debug)]
 pub struct Joined {
     /// The mesh: first the vertices of the half, then the images of those that are not on the plane.
@@ -40,7 +40,7 @@ pub fn join(half: &Mesh, plane: Plane, tolerance: f64) -> Joined {
         let (source, own) = (sources[v as usize], v as usize);
         number[source as usize] = v;
         if is_on_plane(source) {
-            points[own][plane.axis.index()] = plane.offset;
+            points[own] = plane.onto(points[own]);
             continue;
         }
         let [point, image] = plane.pair(points[own]);

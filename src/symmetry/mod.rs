@@ -9,8 +9,8 @@
 //! The paper has no symmetry.
 //!
 //! # Practice
-//! Set [`Options::symmetry`](crate::Options#structfield.symmetry). Planes lie across an axis: the mirror image about any other plane
-//! would be rounded.
+//! Set [`Options::symmetry`](crate::Options#structfield.symmetry). A plane that is given lies across a coordinate axis. One that is found
+//! need not: the mirror image about an oblique plane is rounded, so that the mesh is symmetric within a rounding of its coordinates.
 
 pub mod chords;
 pub mod cut;
@@ -22,6 +22,7 @@ pub use find::Asymmetry;
 pub use join::{Joined, join};
 
 use crate::surface::shown;
+use glam::DVec3;
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
@@ -30,8 +31,8 @@ use thiserror::Error;
 /// A vertex no farther from the plane than this, in diagonals of the surface's bounding box, lies on it: some roundings of f32.
 pub const ON_PLANE: f64 = 1e-6;
 
-/// A coordinate axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// The direction across a plane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// The first coordinate.
@@ -40,15 +41,36 @@ pub enum Axis {
     Y,
     /// The third coordinate.
     Z,
+    /// Another direction, of length 1.
+    Oblique([f64; 3]),
 }
 
 impl Axis {
-    /// All of them.
+    /// The coordinate axes.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
-    /// Its place among the coordinates.
-    pub fn index(self) -> usize {
-        self as usize
+    /// The coordinate of a point along it.
+    pub fn along(self, point: [f64; 3]) -> f64 {
+        match self {
+            Self::X => point[0],
+            Self::Y => point[1],
+            Self::Z => point[2],
+            Self::Oblique(normal) => DVec3::from(normal).dot(point.into()),
+        }
+    }
+
+    /// The point moved along it by what `change` makes of its coordinate.
+    fn with_coordinate(self, mut point: [f64; 3], change: impl FnOnce(f64) -> f64) -> [f64; 3] {
+        match self {
+            Self::X => point[0] = change(point[0]),
+            Self::Y => point[1] = change(point[1]),
+            Self::Z => point[2] = change(point[2]),
+            Self::Oblique(normal) => {
+                let along = self.along(point);
+                point = (DVec3::from(point) + (change(along) - along) * DVec3::from(normal)).into();
+            }
+        }
+        point
     }
 }
 
@@ -64,20 +86,22 @@ pub struct Plane {
 impl Plane {
     /// The signed distance of a point from the plane, in model units.
     pub fn height(self, point: [f64; 3]) -> f64 {
-        point[self.axis.index()] - self.offset
+        self.axis.along(point) - self.offset
+    }
+
+    /// The nearest point of the plane: its coordinate is exact across a coordinate axis, and rounded else.
+    pub fn onto(self, point: [f64; 3]) -> [f64; 3] {
+        self.axis.with_coordinate(point, |_| self.offset)
     }
 
     /// The mirror image of a point.
-    pub fn image(self, mut point: [f64; 3]) -> [f64; 3] {
-        let x = &mut point[self.axis.index()];
-        *x = 2.0 * self.offset - *x;
-        point
+    pub fn image(self, point: [f64; 3]) -> [f64; 3] {
+        self.axis.with_coordinate(point, |x| 2.0 * self.offset - x)
     }
 
     /// The mirror image of a direction.
-    pub fn image_of_direction(self, mut direction: [f64; 3]) -> [f64; 3] {
-        direction[self.axis.index()] *= -1.0;
-        direction
+    pub fn image_of_direction(self, direction: [f64; 3]) -> [f64; 3] {
+        self.axis.with_coordinate(direction, |x| -x)
     }
 
     /// The point itself where it lies on the kept side or on the plane, else its mirror image.
@@ -85,19 +109,29 @@ impl Plane {
         if self.height(point) < 0.0 { self.image(point) } else { point }
     }
 
-    /// The part of a box on the kept side, or the image of the other part where that is larger.
+    /// A box that holds, on the kept side, what a box and its mirror image hold there: the part of it on that side, or the image of the
+    /// other part where that is larger; about an oblique plane the box round both.
     pub fn folded_box(self, mut low: [f64; 3], mut high: [f64; 3]) -> ([f64; 3], [f64; 3]) {
-        let axis = self.axis.index();
+        if let Axis::Oblique(_) = self.axis {
+            let corners = (0..8).map(|k| std::array::from_fn(|x| if k >> x & 1 == 0 { low[x] } else { high[x] }));
+            let is_above = corners.clone().all(|corner| self.height(corner) >= 0.0);
+            let images: Vec<[f64; 3]> = corners.filter(|_| !is_above).map(|corner| self.image(corner)).collect();
+            for corner in images {
+                low = std::array::from_fn(|x| low[x].min(corner[x]));
+                high = std::array::from_fn(|x| high[x].max(corner[x]));
+            }
+            return (low, high);
+        }
         let [below, above] = [-self.height(low), self.height(high)];
         if below > above {
-            high[axis] = self.offset + below;
-            low[axis] = self.offset - above;
+            high = self.axis.with_coordinate(high, |_| self.offset + below);
+            low = self.axis.with_coordinate(low, |_| self.offset - above);
         }
-        low[axis] = low[axis].max(self.offset);
-        (low, high)
+        (self.axis.with_coordinate(low, |x| x.max(self.offset)), high)
     }
 
-    /// A point and its mirror image, each the image of the other bit for bit: the point moves by a rounding where it must.
+    /// A point and its mirror image, each the image of the other bit for bit: the point moves by a rounding where it must. About an
+    /// oblique plane they are so within a rounding.
     pub fn pair(self, point: [f64; 3]) -> [[f64; 3]; 2] {
         let image = self.image(point);
         // The smaller of two such coordinates is on a finer grid; one more image puts both on the coarser one.
@@ -108,9 +142,14 @@ impl Plane {
 
 impl fmt::Display for Plane {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let axis = ["x", "y", "z"][self.axis.index()];
         // No -0.
-        write!(f, "{axis} = {}", self.offset + 0.0)
+        let offset = self.offset + 0.0;
+        match self.axis {
+            Axis::X => write!(f, "x = {offset}"),
+            Axis::Y => write!(f, "y = {offset}"),
+            Axis::Z => write!(f, "z = {offset}"),
+            Axis::Oblique([a, b, c]) => write!(f, "{a:.6} x {b:+.6} y {c:+.6} z = {offset:.6e}"),
+        }
     }
 }
 
@@ -119,7 +158,7 @@ impl fmt::Display for Plane {
 pub enum Symmetry {
     /// About this plane.
     About(Plane),
-    /// About the plane across an axis about which the surface is symmetric.
+    /// About the plane about which the surface is symmetric, across a coordinate axis or a principal axis of the surface.
     Auto,
 }
 
@@ -189,9 +228,9 @@ pub enum SymmetryError {
     },
     /// The surface is symmetric about no plane that is tried.
     #[error(
-        "the surface is symmetric about no plane across x, y or z: the nearest is {plane}, where its mirror image is {distance:.3e} \
-         away from it at {}, more than {limit:.3e}, half the side of a tile; name the plane, or turn the model so that its plane lies \
-         across an axis",
+        "the surface is symmetric about no plane across x, y, z or a principal axis of it: the nearest is {plane}, where its mirror image \
+         is {distance:.3e} away from it at {}, more than {limit:.3e}, half the side of a tile; name the plane, or turn the model so that \
+         its plane lies across x, y or z",
         shown(.at)
     )]
     NoPlane {
@@ -246,5 +285,19 @@ mod tests {
             }
         }
         assert!(plain < all - 500, "the image of the image is rounded: {plain} of {all}");
+    }
+
+    #[test]
+    fn folded_boxes_hold_what_is_on_the_other_side() {
+        let straight = Plane { axis: Axis::X, offset: 1.0 };
+        assert_eq!(straight.folded_box([-2.0, 0.0, 0.0], [2.0, 1.0, 1.0]), ([1.0, 0.0, 0.0], [4.0, 1.0, 1.0]));
+        let oblique = Plane { axis: Axis::Oblique([0.6, 0.8, 0.0]), offset: 0.5 };
+        let above = ([1.0, 1.0, 0.0], [2.0, 2.0, 1.0]);
+        assert_eq!(oblique.folded_box(above.0, above.1), above, "it is on the kept side");
+        let (low, high) = oblique.folded_box([-1.0; 3], [-0.5; 3]);
+        let image = oblique.image([-0.7, -0.9, -0.6]);
+        assert!((0..3).all(|k| low[k] <= image[k] && image[k] <= high[k]), "{low:?} {high:?} {image:?}");
+        assert!(oblique.height(image) > 0.0 && oblique.height(oblique.onto(image)).abs() < 1e-15);
+        assert!(oblique.height(oblique.image([0.3, -0.2, 7.0])) + oblique.height([0.3, -0.2, 7.0]) < 1e-15);
     }
 }
