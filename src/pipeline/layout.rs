@@ -17,7 +17,8 @@ pub enum Layout {
     Mosaic,
     /// Sides that fit the field; few rows end, in few triangles.
     Even,
-    /// Quads alone, in rows that never end, with sides that fit the field.
+    /// Quads alone, in rows that never end, with sides that fit the field; equal sides, or rows that end, where the surface is too
+    /// narrow for that.
     Quads,
 }
 
