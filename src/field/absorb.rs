@@ -10,37 +10,53 @@ use super::Sectors;
 use super::singularities::{Singularity, SingularityLocation};
 use crate::surface::{Surface, next};
 use glam::DVec3;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::f64::consts::FRAC_PI_2;
 
 /// The angles that a quarter turn of a sector may stand for, in radians.
 const QUARTER: std::ops::RangeInclusive<f64> = 0.55 * FRAC_PI_2..=1.45 * FRAC_PI_2;
 
+/// Singularities beside a closed curve that holds another one move onto it from so many times as far away.
+const FOLLOWING: f64 = 2.0;
+
 impl Sectors {
-    /// Moves singularities onto features that are nearer than `reach(triangle)`, in unit-sized coordinates; whether there were any.
-    pub(super) fn absorb(
-        &mut self,
-        surface: &Surface,
-        singularities: &[Singularity],
-        reach: impl Fn(u32) -> f64,
-    ) -> bool {
+    /// Moves singularities onto features that are nearer than `reach`, in unit-sized coordinates; whether there were any. Where one lies
+    /// on a closed curve, the others beside it follow from farther away, so that the rows round a hole fit.
+    pub(super) fn absorb(&mut self, surface: &Surface, singularities: &[Singularity], reach: f64) -> bool {
         let shared = surface.shared_places();
-        let mut taken = FxHashSet::default();
-        for singularity in singularities {
-            let SingularityLocation::Triangle(triangle) = singularity.location else { continue };
-            let position = DVec3::from(singularity.position);
-            let near = self.near_features(surface, triangle, position, reach(triangle));
-            let free = near.into_iter().find(|&(corner, _)| {
-                let vertex = surface.origin(corner);
-                !taken.contains(&vertex)
-                    && !shared[vertex as usize]
-                    && self.turned(surface, corner, singularity.quarters).is_some()
-            });
-            if let Some((corner, _)) = free {
-                taken.insert(surface.origin(corner));
-                if let Some(quarters) = self.turned(surface, corner, singularity.quarters) {
-                    self.set_quarters(surface, self.of_corner[corner as usize], quarters);
+        let mut curve_of = FxHashMap::default();
+        for (number, curve) in surface.features().curves().iter().enumerate().filter(|(_, curve)| curve.closed) {
+            curve_of.extend(curve.vertices.iter().map(|&vertex| (vertex, number)));
+        }
+        let near: Vec<(i32, Vec<(u32, f64)>)> = singularities
+            .iter()
+            .filter_map(|singularity| match singularity.location {
+                SingularityLocation::Triangle(triangle) => {
+                    let position = DVec3::from(singularity.position);
+                    let near = self.near_features(surface, triangle, position, FOLLOWING * reach);
+                    Some((singularity.quarters, near))
                 }
+                SingularityLocation::Corner(_) => None,
+            })
+            .collect();
+        let curve = |corner: u32| curve_of.get(&surface.origin(corner)).copied();
+        let mut holding: FxHashSet<usize> = self.absorbing().iter().filter_map(|v| curve_of.get(v).copied()).collect();
+        let nearest = near.iter().filter_map(|(_, near)| near.first().filter(|&&(_, distance)| distance < reach));
+        holding.extend(nearest.filter_map(|&(corner, _)| curve(corner)));
+        let mut taken = FxHashSet::default();
+        for (index, near) in near {
+            let free = near.into_iter().find(|&(corner, distance)| {
+                let vertex = surface.origin(corner);
+                (distance < reach || curve(corner).is_some_and(|curve| holding.contains(&curve)))
+                    && !taken.contains(&vertex)
+                    && !shared[vertex as usize]
+                    && self.turned(surface, corner, index).is_some()
+            });
+            if let Some((corner, _)) = free
+                && let Some(quarters) = self.turned(surface, corner, index)
+            {
+                taken.insert(surface.origin(corner));
+                self.set_quarters(surface, self.of_corner[corner as usize], quarters);
             }
         }
         !taken.is_empty()

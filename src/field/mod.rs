@@ -101,7 +101,7 @@ impl Field {
         let reach = options.absorb / surface.frame().diagonal;
         for _ in 0..if reach > 0.0 { ABSORBING_ROUNDS } else { 0 } {
             let near = singularities::find(surface, &sectors, &crosses);
-            if !sectors.absorb(surface, &near, |_| reach) {
+            if !sectors.absorb(surface, &near, reach) {
                 break;
             }
             crosses = solve(&sectors)?;

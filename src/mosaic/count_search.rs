@@ -30,7 +30,9 @@ const EVEN_TRIES: usize = 2;
 /// Scales that differ by a smaller share are the same: their counts differ by chance.
 const SAME_SCALE: f32 = 1e-3;
 /// Scales, as factors, that are tried too where rows fold.
-const NEARBY: [f32; 2] = [1.003, 0.997];
+const NEARBY: [f32; 4] = [1.003, 0.997, 1.007, 0.993];
+/// The count of theirs may be off by so many times as much.
+const MOST_OFF: f64 = 2.0;
 /// The cost of a distortion from which on no scale nearby is much better.
 const CHANCELESS: f64 = 0.3;
 /// By how much sides differ then, as a share, over the diagonal of the surface.
@@ -136,7 +138,7 @@ impl Laying<'_> {
             }
         }
         let (Try { h, .. }, mosaic) = best.expect("one try at least");
-        let (h, mosaic) = self.least_folded(h, mosaic, |found| off(found) < reach)?;
+        let (h, mosaic) = self.least_folded(h, mosaic, |found| off(found) < MOST_OFF * reach)?;
         self.relaxed(mosaic, h, UNRELAXED..RELAXED)
     }
 

@@ -312,7 +312,9 @@ impl Flow<'_, '_> {
         for t in (0..self.sinks.len() as u32).filter(|&t| self.sinks[t as usize]).collect::<Vec<_>>() {
             backend.check()?;
             if self.is_half_integer(t) {
-                let end = self.search(State::new(t, 0), |flow, state| {
+                // From each of its four directions, the cone comes to another integer.
+                let starts = [0, 1, 2, 3].map(|k| State::new(t, k));
+                let end = self.search(&starts, |flow, state| {
                     flow.sinks[state.triangle() as usize]
                         && state.triangle() != t
                         && flow.is_half_integer(state.triangle())
@@ -329,16 +331,18 @@ impl Flow<'_, '_> {
         self.parametrization.cone(triangle).is_some_and(|cone| !self.parametrization.is_integer(&cone))
     }
 
-    /// The cheapest path from a state to one that takes its charge.
-    fn search(&mut self, start: State, takes: impl Fn(&Self, State) -> bool) -> Option<End> {
+    /// The cheapest path from one of these states to one that takes its charge.
+    fn search(&mut self, starts: &[State], takes: impl Fn(&Self, State) -> bool) -> Option<End> {
         let mut heap = BinaryHeap::new();
-        self.reach(start, 0.0, None, 0);
-        heap.push(Reverse((0, Event::Reached(start))));
+        for &start in starts {
+            self.reach(start, 0.0, None, 0);
+            heap.push(Reverse((0, Event::Reached(start))));
+        }
         while let Some(Reverse((bits, event))) = heap.pop() {
             let cost = f64::from_bits(bits);
             match event {
                 Event::Reached(state) if cost > self.cost[state.index()] => {}
-                Event::Reached(state) if state != start && takes(self, state) => return Some(End::Inside(state)),
+                Event::Reached(state) if takes(self, state) => return Some(End::Inside(state)),
                 Event::Reached(state) => {
                     let push = |there: f64, event| heap.push(Reverse((there.to_bits(), event)));
                     self.grow(state, cost, f64::INFINITY, push);
