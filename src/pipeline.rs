@@ -249,10 +249,11 @@ fn attempt<'a>(
     let aim = ((sizing.aim * count as f64).round() as usize).max(*POINTS.start());
     let progress = clock.progress;
 
-    let (field, mosaic) = lay_carried(&surface, &sizes, [count, aim], &mut sizing, options, backend, &mut clock)?;
-    let options = &sizing.fallback.applied(options);
+    let (field, mosaic) =
+        lay_carried(&surface, &sizes, [count, aim], &mut sizing.carried, options, backend, &mut clock)?;
+    let options = &sizing.carried.fallback.applied(options);
     let mosaic = Mosaic { wanted: count, ..mosaic };
-    sizing.first_scale = f64::from(mosaic.scale / field.sizes().side_for_count(&surface, aim));
+    sizing.carried.first_scale = f64::from(mosaic.scale / field.sizes().side_for_count(&surface, aim));
 
     clock.begin(Stage::Connect)?;
     let context = || Context::new(&surface).watched(progress);

@@ -60,8 +60,8 @@ impl Report {
             let (on_features, wanted) = (self.mosaic.on_features, self.mosaic.wanted);
             let advice = if self.boundary.is_some() {
                 ", as the edges of the boundary are kept; ask for another number, or for another size there".to_owned()
-            } else if wanted > asked {
-                format!(", as thin parts, or a mesh without faults, need {wanted}; ask for as many, or for --around 0")
+            } else if wanted > asked && found > asked {
+                ", as thin parts, or a mesh without faults, need them; ask for as many, or for --around 0".to_owned()
             } else if found > asked && 2 * on_features > asked {
                 format!(
                     ", as {on_features} tiles lie on features; ask for another number, or for fewer features by --crease"

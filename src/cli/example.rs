@@ -11,10 +11,10 @@ use quadmosaic::surface::examples::{Example, M6Options};
 /// Writes an example surface as triangles
 ///
 /// m6: the ONERA M6 wing, a half with an open root, in metres; torus: radii 1 and 0.4; sphere: radius 1; plate: the unit
-/// square with a round hole; block: a box with a bore.
+/// square with a round hole; block: a box with a bore; flange: a ring with bolt holes.
 #[derive(Args)]
 pub struct Arguments {
-    /// The example: m6, torus, sphere, plate or block
+    /// The example: m6, torus, sphere, plate, block or flange
     #[arg(value_parser = <Example as std::str::FromStr>::from_str)]
     example: Example,
     /// About how many triangles

@@ -6,7 +6,6 @@
 //! surfaces, and more between near features. Where it is too large either way, rows end in pairs of vertices of valence 3 and 5.
 
 use super::clock::Clock;
-use super::prepare::Sizing;
 use super::{Laying, Layout, Options, PipelineError, field};
 use crate::compute::Backend;
 use crate::field::Field;
@@ -20,10 +19,9 @@ use crate::surface::Surface;
 const SQUEEZED: f64 = 0.5;
 
 /// How rows differ from those that the layout asks for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fallback {
     /// It is not known yet.
-    #[default]
     Unknown,
     /// Not at all.
     None,
@@ -31,6 +29,20 @@ pub(super) enum Fallback {
     EqualSides,
     /// Sides are equal, and rows end.
     RowEnds,
+}
+
+/// What an earlier mesh of nearly the same surface tells of its rows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carried {
+    /// How they differ from those that the layout asks for.
+    pub fallback: Fallback,
+    /// See [`MosaicBuilder::first_scale`](crate::mosaic::MosaicBuilder::first_scale).
+    pub first_scale: f64,
+}
+
+impl Carried {
+    /// Nothing.
+    pub(super) const UNKNOWN: Self = Self { fallback: Fallback::Unknown, first_scale: 1.0 };
 }
 
 impl Fallback {
@@ -45,8 +57,8 @@ impl Fallback {
     }
 }
 
-/// The field and the mosaic of `aim` tiles for a mesh of `count` vertices, with the rows that the surface can carry; they are
-/// chosen at the first time. Begins the stages of both.
+/// The field and the mosaic of `aim` tiles for a mesh of `count` vertices, with the rows that the surface can carry; their
+/// fallback is chosen where it is unknown. Begins the stages of both.
 ///
 /// # Errors
 /// Where the backend fails, or tiles cannot have the wanted aspect.
@@ -54,7 +66,7 @@ pub(super) fn lay_carried(
     surface: &Surface,
     sizes: &Sizes,
     [count, aim]: [usize; 2],
-    sizing: &mut Sizing,
+    carried: &mut Carried,
     options: &Options,
     backend: &dyn Backend,
     clock: &mut Clock,
@@ -66,26 +78,26 @@ pub(super) fn lay_carried(
         let laying = Laying { options: &fallback.applied(options), first_scale, is_trial, progress: &advance };
         laying.lay(surface, field, backend, aim)
     };
-    let is_open = sizing.fallback == Fallback::Unknown && options.layout == Layout::Quads;
+    let is_open = carried.fallback == Fallback::Unknown && options.layout == Layout::Quads;
 
     clock.begin(Stage::Field)?;
-    let mut field = field_of(sizing.fallback)?;
+    let mut field = field_of(carried.fallback)?;
 
     clock.begin(Stage::Mosaic)?;
-    let mut mosaic = laid(sizing.fallback, &field, sizing.first_scale, is_open)?;
+    let mut mosaic = laid(carried.fallback, &field, carried.first_scale, is_open)?;
     if is_open {
-        sizing.fallback = Fallback::None;
+        carried.fallback = Fallback::None;
         if mosaic.is_folded() {
             let other = field_of(Fallback::EqualSides)?;
             let cost = laid(Fallback::EqualSides, &other, 1.0, true)?.cost();
             if cost.min(mosaic.cost()) > SQUEEZED {
-                sizing.fallback = Fallback::RowEnds;
-                field = field_of(sizing.fallback)?;
+                carried.fallback = Fallback::RowEnds;
+                field = field_of(carried.fallback)?;
             } else if cost < mosaic.cost() {
-                sizing.fallback = Fallback::EqualSides;
+                carried.fallback = Fallback::EqualSides;
                 field = other;
             }
-            mosaic = laid(sizing.fallback, &field, 1.0, false)?;
+            mosaic = laid(carried.fallback, &field, 1.0, false)?;
         }
     }
     Ok((field, mosaic))

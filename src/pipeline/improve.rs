@@ -7,6 +7,7 @@ use super::prepare::Sizing;
 use super::{Fineness, Meshed, Options, Outcome, PipelineError, attempt};
 use crate::compute::Backend;
 use crate::mesh::compare::Difference;
+use crate::parametrize::Rows;
 use crate::progress::{Progress, Stage};
 use crate::sizes::FEW;
 use std::iter::zip;
@@ -15,8 +16,8 @@ use std::iter::zip;
 const REPEATS: usize = 5;
 /// A mesh that misses the wanted count by a larger share is made again.
 const COUNT_TOLERANCE: f64 = 0.02;
-/// For its count a mesh is made again so often.
-const MOST_CORRECTIONS: usize = 2;
+/// For its count alone a mesh is made again so often where rows may end, and where they do not: they come whole.
+const MOST_CORRECTIONS: [usize; 2] = [1, 2];
 /// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where it still has more than two thirds of the faults,
 /// and more than so many, or is no better for so many times.
 const MANY: usize = 10;
@@ -38,10 +39,11 @@ pub(super) fn improve(
     // The surface of the latest mesh, where that is not the best one.
     let mut latest = None;
     let (mut futile, mut corrections) = (0, 0);
+    let most_corrections = MOST_CORRECTIONS[usize::from(options.rows == Rows::Continuous)];
     for _ in 0..REPEATS {
         let is_off = miss.abs() > COUNT_TOLERANCE;
         // For the count alone few corrections are enough, or do not help.
-        if places.is_empty() && !(is_off && corrections < MOST_CORRECTIONS) || best.meshed.is_hopeless() {
+        if places.is_empty() && !(is_off && corrections < most_corrections) || best.meshed.is_hopeless() {
             break;
         }
         let mut clock = Clock::new(progress);

@@ -1,6 +1,6 @@
 //! The surface as the tiles need it: its features, the sizes of tiles and their number.
 
-use super::fallback::Fallback;
+use super::fallback::Carried;
 use super::{Fineness, FinenessError, MOST_PARTS, Options, POINTS, PipelineError, unwatched};
 use crate::field::StretchError;
 use crate::mosaic;
@@ -28,12 +28,8 @@ pub(super) struct Sizing<'a> {
     pub count: usize,
     /// The number of tiles that is aimed at over the wanted number of vertices: the connectivity optimisation adds or removes some.
     pub aim: f64,
-    /// See [`MosaicBuilder::first_scale`].
-    ///
-    /// [`MosaicBuilder::first_scale`]: crate::mosaic::MosaicBuilder::first_scale
-    pub first_scale: f64,
-    /// How rows differ from those that the layout asks for.
-    pub fallback: Fallback,
+    /// What an earlier mesh tells of the rows.
+    pub carried: Carried,
 }
 
 /// The surface with the features that tiles of this fineness resolve, the sizes of the tiles, and the wanted number of vertices.
@@ -88,8 +84,7 @@ pub(super) fn prepared<'a>(
     if matches!(options.fineness, Fineness::Size(_)) {
         wanted.keep_scale(&surface, count)?;
     }
-    Sizing { wanted, count, aim: 1.0, first_scale: 1.0, fallback: Fallback::default() }
-        .sized(surface, options, progress)
+    Sizing { wanted, count, aim: 1.0, carried: Carried::UNKNOWN }.sized(surface, options, progress)
 }
 
 impl<'a> Sizing<'a> {

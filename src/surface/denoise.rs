@@ -239,6 +239,12 @@ mod tests {
         assert_eq!(fitted.features().curves().len(), 0);
         let moved = fitted.denoised().expect("it is noisy");
         assert!(moved.mean > 0.003 && moved.largest < 0.02, "{moved:?}");
+        // Also where no crease is to be a feature; where each is one, none is noise.
+        let side = (side / noisy.frame().diagonal) as f32;
+        let without = FeatureOptions { crease: 180.0, every_crease: true, ..FeatureOptions::default() };
+        assert_eq!(noisy.clone().fitted(&without, side).denoised(), Some(moved));
+        let each = FeatureOptions { every_crease: true, ..FeatureOptions::default() };
+        assert_eq!(noisy.fitted(&each, side).denoised(), None);
     }
 
     #[test]

@@ -287,15 +287,28 @@ impl Surface {
         sides: Option<&[f64]>,
         progress: &Progress,
     ) -> Self {
-        self.drop_creases(options, f64::from(h), sides, progress);
+        // Creases tell noise also where none is to be a feature.
+        let telling = if options.crease < 180.0 {
+            *options
+        } else {
+            FeatureOptions { crease: FeatureOptions::default().crease, every_crease: false, ..*options }
+        };
+        if telling != *options {
+            self.features = Features::find(&self, &telling);
+        }
+        self.drop_creases(&telling, f64::from(h), sides, progress);
         let before = self.points.clone();
         for _ in 0..denoise::MOST_ROUNDS {
-            if options.every_crease || progress.is_cancelled() || !denoise::is_noisy(&self, &self.dropped, f64::from(h))
+            if telling.every_crease || progress.is_cancelled() || !denoise::is_noisy(&self, &self.dropped, f64::from(h))
             {
                 break;
             }
             self.points = denoise::smoothed(&self, f64::from(h));
             self.denoised = Some(Denoised::of(&before, &self));
+            self.features = Features::find(&self, &telling);
+            self.drop_creases(&telling, f64::from(h), sides, progress);
+        }
+        if telling != *options {
             self.features = Features::find(&self, options);
             self.drop_creases(options, f64::from(h), sides, progress);
         }
