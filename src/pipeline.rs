@@ -416,32 +416,23 @@ pub fn lay(
     options: &Options,
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
-    Laying { options, first_scale: 1.0, is_trial: false, progress }.lay(surface, field, backend, count)
+    lay_by(&builder(surface, field, backend, options, progress), options, count)
 }
 
-/// How a mosaic is laid.
-struct Laying<'a> {
-    options: &'a Options,
-    /// See [`MosaicBuilder::first_scale`].
-    first_scale: f64,
-    /// See [`MosaicBuilder::is_trial`].
-    is_trial: bool,
+/// The builder of [`lay`].
+fn builder<'a>(
+    surface: &'a Surface,
+    field: &'a Field,
+    backend: &'a dyn Backend,
+    options: &Options,
     progress: &'a dyn Fn(f32),
+) -> MosaicBuilder<'a> {
+    let (effort, rows) = (Effort::default(), options.rows);
+    MosaicBuilder { surface, field, backend, effort, rows, first_scale: 1.0, is_trial: false, progress }
 }
 
-impl Laying<'_> {
-    /// As [`lay`].
-    fn lay(
-        &self,
-        surface: &Surface,
-        field: &Field,
-        backend: &dyn Backend,
-        count: usize,
-    ) -> Result<Mosaic, ComputeError> {
-        let &Self { options, first_scale, is_trial, progress } = self;
-        let (effort, rows) = (Effort::default(), options.rows);
-        let builder = MosaicBuilder { surface, field, backend, effort, rows, first_scale, is_trial, progress };
-        let is_absolute = !matches!(options.fineness, Fineness::Points(_)) && !field.sizes().is_equal();
-        if is_absolute { builder.at_scale_for(count) } else { builder.with_count(count) }
-    }
+/// As [`lay`], by a builder.
+fn lay_by(builder: &MosaicBuilder, options: &Options, count: usize) -> Result<Mosaic, ComputeError> {
+    let is_absolute = !matches!(options.fineness, Fineness::Points(_)) && !builder.field.sizes().is_equal();
+    if is_absolute { builder.at_scale_for(count) } else { builder.with_count(count) }
 }

@@ -3,23 +3,25 @@
 //! # Practice
 //! Compare [`Report::version`] with [`VERSION`] before the fields are read.
 
+mod check;
 mod faces;
 mod ineffective;
+mod parts;
 mod singularities;
 
+pub use check::{Against, CheckReport};
 pub use faces::{RegionFigures, WorstFace};
 pub use ineffective::Ineffective;
+pub use parts::{FieldReport, MosaicReport};
 
 use crate::compute::Backend;
 use crate::field::{Field, GuideReport, StretchReport};
 use crate::mesh::Mesh;
-use crate::mesh::check::{Faults, Kind, check_joined};
-use crate::mesh::compare::{Comparison, Difference, check_against};
+use crate::mesh::check::Faults;
+use crate::mesh::compare::Difference;
 use crate::mesh::connectivity::EditCounts;
-use crate::mesh::joints::joints;
 use crate::mesh::quality::Quality;
 use crate::mesh::triangulate::Triangulation;
-use crate::mosaic::{Mosaic, quality::TileQuality};
 use crate::parametrize::{Distortion, RowEnds};
 use crate::pipeline::{Fineness, Options, Outcome, Symmetric};
 use crate::sets::Sets;
@@ -387,142 +389,6 @@ impl Report {
         self.times.extend(times(after));
         self.total_milliseconds = total(&self.times);
         self
-    }
-}
-
-/// A report on a field.
-#[derive(Clone, Debug, Serialize)]
-pub struct FieldReport {
-    /// [`VERSION`].
-    pub version: u32,
-    /// The program's name and version.
-    pub program: String,
-    /// The surface.
-    pub surface: Input,
-    /// The backend of the heavy stages.
-    pub backend: Device,
-    /// The cross field.
-    pub field: FieldFigures,
-}
-
-impl FieldReport {
-    /// The report on the field of the surface called `name`.
-    pub fn new(name: &str, backend: &dyn Backend, surface: &Surface, field: &Field) -> Self {
-        Self {
-            version: VERSION,
-            program: PROGRAM.to_owned(),
-            surface: Input::new(name, surface),
-            backend: Device::new(backend),
-            field: FieldFigures::new(field, &singularities(surface, field, None)),
-        }
-    }
-}
-
-/// A report on a mosaic.
-#[derive(Clone, Debug, Serialize)]
-pub struct MosaicReport {
-    /// [`VERSION`].
-    pub version: u32,
-    /// The program's name and version.
-    pub program: String,
-    /// The surface.
-    pub surface: Input,
-    /// The wanted fineness.
-    pub asked: Asked,
-    /// The backend of the heavy stages.
-    pub backend: Device,
-    /// The cross field.
-    pub field: FieldFigures,
-    /// Tiles.
-    pub tiles: usize,
-    /// Those of them that lie on features.
-    pub on_features: usize,
-    /// Their coverage, overlap and straightness.
-    pub fit: TileQuality,
-}
-
-impl MosaicReport {
-    /// The report on the mosaic, with its fit, of the surface called `name`.
-    pub fn new(
-        name: &str,
-        options: &Options,
-        backend: &dyn Backend,
-        (surface, field, mosaic): (&Surface, &Field, &Mosaic),
-        fit: TileQuality,
-    ) -> Self {
-        Self {
-            version: VERSION,
-            program: PROGRAM.to_owned(),
-            surface: Input::new(name, surface),
-            asked: Asked::new(options.fineness),
-            backend: Device::new(backend),
-            field: FieldFigures::new(field, &singularities(surface, field, None)),
-            tiles: mosaic.count(),
-            on_features: mosaic.feature_samples.len(),
-            fit,
-        }
-    }
-}
-
-/// A report on a mesh.
-#[derive(Clone, Debug, Serialize)]
-pub struct CheckReport {
-    /// [`VERSION`].
-    pub version: u32,
-    /// The program's name and version.
-    pub program: String,
-    /// The mesh's name.
-    pub name: String,
-    /// Measures of the mesh; absent where its faces name missing vertices.
-    pub mesh: Option<Quality>,
-    /// The number of edges of more than two faces along which sheets meet; with a surface that tells where they do, 0.
-    pub joints: usize,
-    /// Broken invariants of the mesh, with places in model units.
-    pub faults: Faults,
-    /// The comparison with a surface; absent without a surface.
-    pub against: Option<Against>,
-}
-
-/// The comparison of a mesh with a surface.
-#[derive(Clone, Debug, Serialize)]
-pub struct Against {
-    /// The surface.
-    pub surface: Input,
-    /// The comparison; absent where the mesh has no extent, or its vertices are missing or not finite.
-    pub comparison: Option<Comparison>,
-}
-
-impl CheckReport {
-    /// The report on the mesh called `name`; `against` is the name and the surface to compare it with.
-    pub fn new(name: &str, mesh: &Mesh, against: Option<(&str, &Surface)>) -> Self {
-        let joints = if against.is_none() { joints(mesh) } else { Vec::new() };
-        let (faults, against) = match against {
-            None => {
-                let mut branches = vec![false; mesh.points.len()];
-                joints.iter().flatten().for_each(|&v| branches[v as usize] = true);
-                (check_joined(mesh, &branches), None)
-            }
-            Some((name, surface)) => {
-                let (faults, comparison) = check_against(mesh, surface);
-                (faults, Some(Against { surface: Input::new(name, surface), comparison }))
-            }
-        };
-        let measurable = faults.count(|kind| matches!(kind, Kind::MissingVertex { .. })) == 0;
-        Self {
-            version: VERSION,
-            program: PROGRAM.to_owned(),
-            name: name.to_owned(),
-            mesh: measurable.then(|| Quality::with_holes(mesh, faults.hole_triangles())),
-            joints: joints.len(),
-            faults,
-            against,
-        }
-    }
-
-    /// Global differences between the mesh and the surface; none without a surface.
-    pub fn differences(&self) -> &[Difference] {
-        let comparison = self.against.as_ref().and_then(|against| against.comparison.as_ref());
-        comparison.map_or(&[], |comparison| &comparison.differences)
     }
 }
 

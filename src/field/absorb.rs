@@ -2,8 +2,8 @@
 //!
 //! # Theory
 //! Rows that pass over the whole surface meet a feature at a whole number of tiles from each singularity. A singularity that is
-//! nearer than half a tile has no row between itself and the feature: it lies on the feature. There the sector of the nearest
-//! vertex gets one quarter turn more (fewer for a positive index), and the field that is solved for again has the singularity
+//! nearer than about a tile has no room for a row between itself and the feature: it lies on the feature. There the sector of the
+//! nearest vertex gets one quarter turn more (fewer for a positive index), and the field that is solved for again has the singularity
 //! no more: by Poincaré and Hopf the index moves from the triangle to the vertex.
 
 use super::Sectors;
@@ -25,8 +25,12 @@ impl Sectors {
     pub(super) fn absorb(&mut self, surface: &Surface, singularities: &[Singularity], reach: f64) -> bool {
         let shared = surface.shared_places();
         let mut curve_of = FxHashMap::default();
+        let mut holding = FxHashSet::default();
         for (number, curve) in surface.features().curves().iter().enumerate().filter(|(_, curve)| curve.closed) {
             curve_of.extend(curve.vertices.iter().map(|&vertex| (vertex, number)));
+            if curve.vertices.iter().any(|vertex| self.absorbing().binary_search(vertex).is_ok()) {
+                holding.insert(number);
+            }
         }
         let near: Vec<(i32, Vec<(u32, f64)>)> = singularities
             .iter()
@@ -40,21 +44,18 @@ impl Sectors {
             })
             .collect();
         let curve = |corner: u32| curve_of.get(&surface.origin(corner)).copied();
-        let mut holding: FxHashSet<usize> = self.absorbing().iter().filter_map(|v| curve_of.get(v).copied()).collect();
         let nearest = near.iter().filter_map(|(_, near)| near.first().filter(|&&(_, distance)| distance < reach));
         holding.extend(nearest.filter_map(|&(corner, _)| curve(corner)));
         let mut taken = FxHashSet::default();
         for (index, near) in near {
-            let free = near.into_iter().find(|&(corner, distance)| {
+            let free = near.into_iter().find_map(|(corner, distance)| {
                 let vertex = surface.origin(corner);
-                (distance < reach || curve(corner).is_some_and(|curve| holding.contains(&curve)))
-                    && !taken.contains(&vertex)
-                    && !shared[vertex as usize]
-                    && self.turned(surface, corner, index).is_some()
+                let is_near = distance < reach || curve(corner).is_some_and(|curve| holding.contains(&curve));
+                let is_free = !taken.contains(&vertex) && !shared[vertex as usize];
+                let quarters = self.turned(surface, corner, index).filter(|_| is_near && is_free)?;
+                Some((corner, quarters))
             });
-            if let Some((corner, _)) = free
-                && let Some(quarters) = self.turned(surface, corner, index)
-            {
+            if let Some((corner, quarters)) = free {
                 taken.insert(surface.origin(corner));
                 self.set_quarters(surface, self.of_corner[corner as usize], quarters);
             }
@@ -98,11 +99,11 @@ impl Sectors {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::compute::Cpu;
-    use crate::field::{Field, FieldOptions, SingularityLocation};
+    use crate::field::{Field, FieldOptions};
+    use crate::surface::FeatureOptions;
     use crate::surface::examples::Example;
-    use crate::surface::{FeatureOptions, Surface};
-    use glam::DVec3;
 
     /// Distances of the singularities inside triangles to the nearest vertex of a feature, ascending, and the sum of all
     /// quarters.
@@ -143,17 +144,17 @@ mod tests {
     }
 
     #[test]
-    fn no_angle_of_a_feature_becomes_sharp() {
-        // A block's corners and straight edges take no singularity in, however far it may be.
-        let surface = Surface::new(&Example::Block.generate(3_000), &FeatureOptions::default())
+    fn an_edge_takes_in_a_negative_index_alone_and_a_right_angle_none() {
+        let surface = Surface::new(&Example::Plate.generate(3_000), &FeatureOptions::default())
             .unwrap_or_else(|error| panic!("{error}"));
-        let options = FieldOptions { absorb: 1.0, ..FieldOptions::default() };
-        let field = Field::new(&surface, &options, &Cpu).expect("the CPU does not fail");
-        let sectors = field.sectors();
-        for sector in (0..sectors.count()).filter(|&s| sectors.quarters[s] > 0) {
-            let angle: f64 = sectors.corners(&surface, sector as u32).map(|c| sectors.corner_angle(c)).sum();
-            let quarter = angle.to_degrees() / f64::from(sectors.quarters[sector]);
-            assert!((0.55 * 90.0 - 1e-6..=1.45 * 90.0 + 1e-6).contains(&quarter), "{quarter} degrees a quarter");
-        }
+        let sectors = Sectors::new(&surface);
+        let of_quarters = |quarters: u8| {
+            let sector = sectors.quarters.iter().position(|&own| own == quarters).expect("the plate has such a sector");
+            [-2, -1, 1].map(|index| sectors.turned(&surface, sectors.first_corner[sector], index))
+        };
+        // Half a turn is three quarters of 60 degrees, but not four of 45 or one of 180; a right angle is nothing else.
+        assert_eq!(of_quarters(2), [None, Some(3), None]);
+        assert_eq!(of_quarters(1), [None; 3]);
+        assert_eq!(of_quarters(0), [None; 3], "a vertex within the surface takes none in");
     }
 }

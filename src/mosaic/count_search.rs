@@ -22,21 +22,21 @@ const ATTEMPTS: usize = 3;
 const UNRELAXED_ERROR: [f64; 2] = [0.003, 0.009];
 /// Mosaics that are tried for one aim.
 const TRIES: usize = 6;
-/// Mosaics that are tried where continuous rows fold much.
-const FOLDED_TRIES: usize = 2;
-/// So many of [`TRIES`] with equal sides throughout. On a surface with many equal parts, as the teeth of a gear, all of these get
+/// So many of them with equal sides throughout. On a surface with many equal parts, as the teeth of a gear, all of these get
 /// another row at the same side, and the count jumps; where sides differ a little they do so one after the other.
 const EVEN_TRIES: usize = 2;
+/// By how much sides differ then, as a share, over the diagonal of the surface.
+const TILT: f32 = 0.04;
 /// Scales that differ by a smaller share are the same: their counts differ by chance.
 const SAME_SCALE: f32 = 1e-3;
+/// Mosaics that are tried where continuous rows fold much.
+const FOLDED_TRIES: usize = 2;
 /// Scales, as factors, that are tried too where rows fold.
 const NEARBY: [f32; 4] = [1.003, 0.997, 1.007, 0.993];
 /// The count of theirs may be off by so many times as much.
 const MOST_OFF: f64 = 2.0;
 /// The cost of a distortion from which on no scale nearby is much better.
 const CHANCELESS: f64 = 0.3;
-/// By how much sides differ then, as a share, over the diagonal of the surface.
-const TILT: f32 = 0.04;
 
 /// A mosaic that was tried: its scale, by how much its sides differ, and its count before its finest level is relaxed.
 #[derive(Clone, Copy)]

@@ -13,7 +13,7 @@ const IRREGULAR_PER_FOLD: f64 = 4.0;
 const WORTH: f64 = 4.0;
 
 /// The distortion of rows that pass over the whole surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Distortion {
     /// The mean over the surface of `2 a b / (a^2 + b^2)`, `a` and `b` being the singular values of the map to the rows: 1 for
     /// squares, 0 where rows are inverted.
@@ -74,10 +74,7 @@ mod tests {
         let h = 0.02;
         let mut rows = Parametrization::solve(&surface, &field, |_| h, Rows::Continuous, &Cpu).expect("solved");
         let solved = rows.distortion(&surface, h);
-        assert!(
-            solved.shape > 0.8 && solved.shape < 1.0 && solved.cost(1_000) > 1.0 - solved.shape - 1e-12,
-            "{solved:?}"
-        );
+        assert!(solved.shape > 0.8 && solved.shape < 1.0, "{solved:?}");
         rows.coordinates.iter_mut().for_each(|pair| *pair = [0.0; 2]);
         rows.jumps.iter_mut().for_each(|pair| *pair = [0; 2]);
         let folded = rows.distortion(&surface, h);

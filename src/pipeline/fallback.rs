@@ -6,14 +6,15 @@
 //! surfaces, and more between near features. Where it is too large either way, rows end in pairs of vertices of valence 3 and 5.
 
 use super::clock::Clock;
-use super::{Laying, Layout, Options, PipelineError, field};
+use super::{Layout, Options, PipelineError, builder, field, lay_by};
 use crate::compute::Backend;
 use crate::field::Field;
-use crate::mosaic::Mosaic;
+use crate::mosaic::{Mosaic, MosaicBuilder};
 use crate::parametrize::Rows;
 use crate::progress::Stage;
 use crate::sizes::Sizes;
 use crate::surface::Surface;
+use std::borrow::Cow;
 
 /// The cost of a distortion from which on rows end (docs/experiments.md, parametrization).
 const SQUEEZED: f64 = 0.5;
@@ -47,12 +48,11 @@ impl Carried {
 
 impl Fallback {
     /// The options with these rows.
-    pub(super) fn applied(self, options: &Options) -> Options {
-        let options = options.clone();
+    pub(super) fn applied(self, options: &Options) -> Cow<'_, Options> {
         match self {
-            Self::Unknown | Self::None => options,
-            Self::EqualSides => Options { fit: 0.0, ..options },
-            Self::RowEnds => Options { fit: 0.0, rows: Rows::Paper, ..options },
+            Self::Unknown | Self::None => Cow::Borrowed(options),
+            Self::EqualSides => Cow::Owned(Options { fit: 0.0, ..options.clone() }),
+            Self::RowEnds => Cow::Owned(Options { fit: 0.0, rows: Rows::Paper, ..options.clone() }),
         }
     }
 }
@@ -75,30 +75,36 @@ pub(super) fn lay_carried(
     let advance = |share| progress.advance(share);
     let field_of = |fallback: Fallback| field(surface, sizes.clone(), count, &fallback.applied(options), backend);
     let laid = |fallback: Fallback, field: &Field, first_scale, is_trial| {
-        let laying = Laying { options: &fallback.applied(options), first_scale, is_trial, progress: &advance };
-        laying.lay(surface, field, backend, aim)
+        let options = &*fallback.applied(options);
+        let builder = MosaicBuilder { first_scale, is_trial, ..builder(surface, field, backend, options, &advance) };
+        lay_by(&builder, options, aim)
     };
     let is_open = carried.fallback == Fallback::Unknown && options.layout == Layout::Quads;
 
     clock.begin(Stage::Field)?;
-    let mut field = field_of(carried.fallback)?;
+    let fitted = field_of(carried.fallback)?;
 
     clock.begin(Stage::Mosaic)?;
-    let mut mosaic = laid(carried.fallback, &field, carried.first_scale, is_open)?;
+    let mosaic = laid(carried.fallback, &fitted, carried.first_scale, is_open)?;
     if is_open {
         carried.fallback = Fallback::None;
-        if mosaic.is_folded() {
-            let other = field_of(Fallback::EqualSides)?;
-            let cost = laid(Fallback::EqualSides, &other, 1.0, true)?.cost();
-            if cost.min(mosaic.cost()) > SQUEEZED {
-                carried.fallback = Fallback::RowEnds;
-                field = field_of(carried.fallback)?;
-            } else if cost < mosaic.cost() {
-                carried.fallback = Fallback::EqualSides;
-                field = other;
-            }
-            mosaic = laid(carried.fallback, &field, 1.0, false)?;
-        }
     }
+    if !is_open || !mosaic.is_folded() {
+        return Ok((fitted, mosaic));
+    }
+    let equal = field_of(Fallback::EqualSides)?;
+    let other = laid(Fallback::EqualSides, &equal, 1.0, true)?;
+    let (fallback, field) = if mosaic.cost().min(other.cost()) > SQUEEZED {
+        (Fallback::RowEnds, field_of(Fallback::RowEnds)?)
+    } else if other.cost() < mosaic.cost() {
+        (Fallback::EqualSides, equal)
+    } else {
+        (Fallback::None, fitted)
+    };
+    carried.fallback = fallback;
+    if fallback == Fallback::EqualSides && !other.is_folded() {
+        return Ok((field, other));
+    }
+    let mosaic = laid(fallback, &field, 1.0, false)?;
     Ok((field, mosaic))
 }
