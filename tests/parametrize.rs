@@ -46,7 +46,7 @@ fn rows_on_a_rectangle_are_straight_and_keep_to_its_sides() {
         [x / 2.0, y / 2.0]
     };
     for (side, fits) in [(2.0, true), (2.2, false)] {
-        let phases = Parametrization::solve(&surface, &field, |_| side * cell, Rows::Paper, &Cpu)
+        let phases = Parametrization::solve(&surface, &field, |_| side * cell, &[], Rows::Paper, &Cpu)
             .expect("the CPU does not fail");
         let points = integer_grid(&surface, &field, &phases, (side * cell) as f32);
         let off = off_whole(points.iter().flat_map(|point| in_cells(point.place())));
@@ -66,7 +66,8 @@ fn rows_on_a_rectangle_are_straight_and_keep_to_its_sides() {
 fn steps_close_round_a_triangle_but_where_rows_end() {
     let torus = surface(&example("torus", 20_000));
     let field = field(&torus);
-    let phases = Parametrization::solve(&torus, &field, |_| 0.02, Rows::Paper, &Cpu).expect("the CPU does not fail");
+    let phases =
+        Parametrization::solve(&torus, &field, |_| 0.02, &[], Rows::Paper, &Cpu).expect("the CPU does not fail");
     let round = |t: u32| {
         let [a, b] = [phases.step(3 * t), phases.step_at_end(3 * t + 2)];
         // The second side's step, as the first corner reads it.
@@ -90,8 +91,8 @@ fn the_phases_are_the_same_on_both_backends() {
         let surface = surface(&example(name, 12_000));
         let field = field(&surface);
         let [cpu, other] = backends.map(|backend| {
-            let phases =
-                Parametrization::solve(&surface, &field, |_| 0.03, Rows::Paper, backend).expect("no backend fails");
+            let phases = Parametrization::solve(&surface, &field, |_| 0.03, &[], Rows::Paper, backend)
+                .expect("no backend fails");
             (0..3 * surface.triangle_count() as u32).map(|corner| phases.at(corner)).collect::<Vec<_>>()
         });
         let off = |[a, b]: [&[f64; 2]; 2]| off_whole([a[0] - b[0], a[1] - b[1]].into_iter());
@@ -102,8 +103,8 @@ fn the_phases_are_the_same_on_both_backends() {
         } else {
             assert_eq!(cpu, other, "{name}");
         }
-        let moved =
-            Parametrization::solve(&surface, &field, |_| 0.0301, Rows::Paper, backends[1]).expect("no backend fails");
+        let moved = Parametrization::solve(&surface, &field, |_| 0.0301, &[], Rows::Paper, backends[1])
+            .expect("no backend fails");
         let far = (0..).zip(&cpu).filter(|(corner, a)| off([a, &moved.at(*corner)]) > 1e-2).count();
         assert!(far * 10 > cpu.len(), "{name}: another side gives other phases");
     }

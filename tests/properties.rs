@@ -250,7 +250,7 @@ proptest! {
         let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
         // A length of the surface's own triangles, so that rows are seen from vertex to vertex.
         let side = 0.12;
-        let phases = Parametrization::solve(&surface, &field, |_| side, Rows::Paper, &Cpu).expect("the CPU does not fail");
+        let phases = Parametrization::solve(&surface, &field, |_| side, &[], Rows::Paper, &Cpu).expect("the CPU does not fail");
         // The sum of the steps round a triangle, whichever way the second corner's frame is turned; `third` is the half-edge in the
         // place of the third.
         let round = |t: u32, third: u32| {

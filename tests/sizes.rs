@@ -3,13 +3,14 @@
 mod common;
 
 use common::surfaces::{example, flat, surface};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use quadmosaic::compute::{Backend, Cpu};
 use quadmosaic::gpu::GpuBackend;
 use quadmosaic::mesh::Mesh;
-use quadmosaic::pipeline::{Fineness, Options, PipelineError, run, unwatched};
+use quadmosaic::pipeline::{Fineness, Layout, Options, PipelineError, run, unwatched};
 use quadmosaic::sizes::{LocalSize, SizeFileError, SizeOptions, SizeSample, Sizes, SizesError, read_sizes};
 use quadmosaic::surface::{Soup, Surface};
+use std::f64::consts::PI;
 use std::fs;
 
 /// Sizes of a surface that are a function of the place, in unit-sized coordinates.
@@ -222,18 +223,39 @@ fn edges_are_small_at_a_place_and_keep_their_size_elsewhere() {
 }
 
 #[test]
-fn a_round_hole_has_about_so_many_edges() {
+fn a_round_hole_has_so_many_edges() {
     let soup = example("plate", 4_000);
     let on_rim = |p: DVec3| (p.distance(DVec3::new(0.5, 0.5, 0.0)) - 0.2).abs() < 0.004;
     for (around, size) in [(24, 0.1), (40, 0.05)] {
         let sizes = SizeOptions { around_holes: around, ..SizeOptions::default() };
         let mesh = meshed(&soup, &Options { sizes, ..Options::new(Fineness::Size(size)) }, &Cpu);
-        // Rows that spread towards the hole are up to a fifth less, as the README says.
-        let found = lengths(&mesh, on_rim).len();
-        assert!((around * 4 / 5..=around).contains(&found), "{found} for {around}");
+        assert_eq!(lengths(&mesh, on_rim).len(), around);
     }
     let plain = meshed(&soup, &Options::new(Fineness::Size(0.1)), &Cpu);
     assert!(lengths(&plain, on_rim).len() < 20);
+}
+
+#[test]
+fn equal_holes_have_equally_many_edges() {
+    let soup = example("flange", 20_000);
+    let sizes = SizeOptions { around_holes: 12, ..SizeOptions::default() };
+    for layout in [Layout::Mosaic, Layout::Quads] {
+        let rims = |sizes: SizeOptions| {
+            let options = Options { sizes, ..Options::new(Fineness::Points(3_000)) }.with_layout(layout);
+            let mesh = meshed(&soup, &options, &Cpu);
+            // Twelve bolt holes of radius 0.07, 0.75 from the axis, in two faces.
+            let rim = |bolt: u32, z: f64| {
+                let centre = 0.75 * DVec2::from_angle(f64::from(bolt) * PI / 6.0);
+                let on_rim = |p: DVec3| (p.truncate().distance(centre) - 0.07).abs() < 0.004 && (p.z - z).abs() < 1e-6;
+                lengths(&mesh, on_rim).len()
+            };
+            let both = (0..12).flat_map(|bolt| [-0.1, 0.1].map(|z| rim(bolt, z)));
+            both.collect::<Vec<usize>>()
+        };
+        let asked = rims(sizes.clone());
+        assert!(asked.iter().filter(|&&count| count == 12).count() >= 22, "{layout:?}: {asked:?}");
+        assert!(rims(SizeOptions::default()).iter().all(|&count| count < 12));
+    }
 }
 
 #[test]

@@ -49,9 +49,10 @@ pub struct FinenessArguments {
     /// as 0,0,0,1,2,3, or the name of a region. Away from it edges grow by GROWTH, or --max-growth
     #[arg(long, value_name = "PLACE:SIZE", allow_hyphen_values = true, help_heading = "Fineness")]
     size_at: Vec<LocalSize>,
-    /// About the least number of edges round each round hole (0 to 1000)
+    /// The least number of edges round each round hole (0 to 1000)
     ///
-    /// Also round other closed features that are round; up to a fifth fewer where they are far shorter than those around. 0: any
+    /// Also round other closed features that are round. They get just so many where others would be fewer (about as many above 16,000
+    /// points). 0: any
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1000>, help_heading = "Fineness")]
     around_holes: usize,
     /// The least edge length, in model units, whatever else asks for shorter ones

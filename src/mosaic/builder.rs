@@ -30,15 +30,15 @@ const STILL: f32 = 0.01;
 pub struct Effort {
     /// The parametrization is solved for at most this many tiles; more are made by splitting. Default 16,000.
     pub solved: usize,
-    /// Batches of relaxation on each level, each before tiles are inserted and deleted, at most. Default 2.
+    /// Batches of relaxation on each level, each before tiles are inserted and deleted, at most. Default 1.
     pub batches: usize,
-    /// Steps a batch. Default 8.
+    /// Steps a batch. Default 4.
     pub steps: u32,
 }
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { solved: 16_000, batches: 2, steps: 8 }
+        Self { solved: 16_000, batches: 1, steps: 4 }
     }
 }
 
@@ -132,8 +132,10 @@ impl Laying<'_> {
     fn laid(&self, h: f32, tilt: f32, finer: u32) -> Result<Mosaic, ComputeError> {
         let &MosaicBuilder { surface, field, rows, backend, .. } = self.builder;
         let solved = h * finer as f32;
-        let mut parametrization =
-            Parametrization::solve(surface, field, sides(surface, field, solved, tilt), rows, backend)?;
+        let sides = sides(surface, field, solved, tilt);
+        // Where each tile is split later, the asked numbers would have to be multiples.
+        let intervals = if finer == 1 { field.sizes().intervals() } else { &[] };
+        let mut parametrization = Parametrization::solve(surface, field, sides, intervals, rows, backend)?;
         let row_ends = parametrization.resolve_row_ends(surface, rows, finer, backend)?;
         let distortion = (rows == Rows::Continuous).then(|| parametrization.distortion(surface, f64::from(solved)));
         let is_relaxed = self.relaxation.is_some();

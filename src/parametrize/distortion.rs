@@ -72,7 +72,7 @@ mod tests {
             .unwrap_or_else(|error| panic!("{error}"));
         let field = Field::new(&surface, &FieldOptions::default(), &Cpu).expect("the CPU does not fail");
         let h = 0.02;
-        let mut rows = Parametrization::solve(&surface, &field, |_| h, Rows::Continuous, &Cpu).expect("solved");
+        let mut rows = Parametrization::solve(&surface, &field, |_| h, &[], Rows::Continuous, &Cpu).expect("solved");
         let solved = rows.distortion(&surface, h);
         assert!(solved.shape > 0.8 && solved.shape < 1.0, "{solved:?}");
         rows.coordinates.iter_mut().for_each(|pair| *pair = [0.0; 2]);

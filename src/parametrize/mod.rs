@@ -42,6 +42,7 @@ use transitions::turning;
 
 use crate::compute::{Backend, Complex, ComputeError, MIRRORED};
 use crate::field::{Field, Sectors};
+use crate::sizes::Intervals;
 use crate::surface::{Surface, next};
 use equations::Graph;
 use rustc_hash::FxHashSet;
@@ -57,6 +58,8 @@ pub enum Rows {
     Continuous,
 }
 
+/// The factor of the weight beside curves with an asked number of tiles.
+const FIRMNESS: f64 = 20.0;
 /// An image whose smaller singular value is below this is nearly inverted.
 const NEARLY_INVERTED: f64 = 0.1;
 
@@ -71,6 +74,8 @@ pub struct Parametrization<'a> {
     /// What is added to the difference of the coordinates along each half-edge, in the frame of the sector where it begins.
     jumps: Vec<[i32; 2]>,
     unknowns: Vec<Unknowns>,
+    /// The curves that an asked number of rows meets.
+    intervals: Vec<Intervals>,
     /// Whether each unknown is fixed.
     fixed: Vec<bool>,
     /// Ends of features that hold no tile: rows run on past them.
@@ -115,7 +120,8 @@ fn along(unknowns: Unknowns, k: u32) -> Unknown {
 }
 
 impl<'a> Parametrization<'a> {
-    /// Rows of tiles whose mean side at each vertex is `side`, in unit-sized coordinates; the field may stretch them.
+    /// Rows of tiles whose mean side at each vertex is `side`, in unit-sized coordinates; the field may stretch them. As many as are
+    /// asked for meet the curves of `intervals`.
     ///
     /// # Errors
     /// Where the backend fails.
@@ -123,10 +129,12 @@ impl<'a> Parametrization<'a> {
         surface: &Surface,
         field: &'a Field,
         side: impl Fn(u32) -> f64 + Sync,
+        intervals: &[Intervals],
         rows: Rows,
         backend: &dyn Backend,
     ) -> Result<Self, ComputeError> {
-        let transitions = transitions::transitions(surface, field, side);
+        let mut transitions = transitions::transitions(surface, field, side);
+        let stiffness = fit_intervals(surface, intervals, &mut transitions);
         backend.check()?;
         let released_ends = match rows {
             Rows::Paper => FxHashSet::default(),
@@ -134,7 +142,7 @@ impl<'a> Parametrization<'a> {
         };
         let released_vertices = FxHashSet::default();
         let (unknowns, fixed) = equations::unknowns(surface, field.sectors(), &released_ends, &released_vertices);
-        let (sectors, stiffness) = (field.sectors(), Vec::new());
+        let sectors = field.sectors();
         let graph = Graph {
             surface,
             sectors,
@@ -151,6 +159,7 @@ impl<'a> Parametrization<'a> {
             coordinates,
             jumps: Vec::new(),
             unknowns,
+            intervals: intervals.to_vec(),
             fixed,
             released_ends,
             released_vertices,
@@ -262,6 +271,25 @@ impl<'a> Parametrization<'a> {
     fn sector(&self, corner: u32) -> usize {
         self.field.sectors().of_corner[corner as usize] as usize
     }
+}
+
+/// Scales the wanted steps along curves so that they add up to the asked numbers of tiles; the factor of each triangle's weight,
+/// or nothing where all have the same.
+fn fit_intervals(surface: &Surface, intervals: &[Intervals], transitions: &mut [Transition]) -> Vec<f64> {
+    let mut stiffness = if intervals.is_empty() { Vec::new() } else { vec![1.0; surface.triangle_count()] };
+    for &Intervals { curve, count } in intervals {
+        let half_edges = &surface.features().curves()[curve].half_edges;
+        let length = |h: u32| {
+            let [x, y] = transitions[h as usize].wanted;
+            x.hypot(y)
+        };
+        let factor = count as f64 / half_edges.iter().map(|&h| length(h)).sum::<f64>();
+        for side in half_edges.iter().flat_map(|&h| [Some(h), surface.twin(h)]).flatten() {
+            transitions[side as usize].wanted = transitions[side as usize].wanted.map(|step| factor * step);
+            stiffness[side as usize / 3] = FIRMNESS;
+        }
+    }
+    stiffness
 }
 
 /// The angle of an unknown's value, in turns.

@@ -49,6 +49,8 @@ struct Flow<'a, 'b> {
     /// The feature curve of each half-edge on one, and how many tile sides it has.
     curve_of: Vec<u32>,
     intervals: Vec<i32>,
+    /// Whether each curve keeps its number of tile sides.
+    is_kept: Vec<bool>,
     /// The price of moving a charge over each half-edge, for each direction of its triangle; infinite: it cannot.
     prices: Vec<[f32; 4]>,
     charges: Vec<[i32; 2]>,
@@ -160,6 +162,8 @@ impl Parametrization<'_> {
                 }
             }
         }
+        let mut is_kept = vec![false; intervals.len()];
+        self.intervals.iter().for_each(|asked| is_kept[asked.curve] = true);
         let states = 4 * triangles as usize;
         let mut flow = Flow {
             surface,
@@ -167,6 +171,7 @@ impl Parametrization<'_> {
             weights,
             curve_of,
             intervals,
+            is_kept,
             prices: Vec::new(),
             charges,
             sinks,
@@ -404,8 +409,9 @@ impl Flow<'_, '_> {
             let along = unit(self.along(half_edge)).map(f64::from);
             let more = change[0] * along[0] + change[1] * along[1];
             let ends = [half_edge, crate::surface::next(half_edge)].map(|h| self.surface.origin(h) as usize);
-            let left = self.intervals[self.curve_of[half_edge as usize] as usize] + more as i32;
-            if more == 0.0 || left < 1 || ends.iter().any(|&v| self.shared[v]) {
+            let curve = self.curve_of[half_edge as usize] as usize;
+            let left = self.intervals[curve] + more as i32;
+            if more == 0.0 || left < 1 || self.is_kept[curve] || ends.iter().any(|&v| self.shared[v]) {
                 return None;
             }
         }

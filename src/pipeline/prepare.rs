@@ -69,18 +69,19 @@ pub(super) fn prepared<'a>(
     let count = count(&surface, options)?;
     let side = mosaic::side_for_count(&surface, count);
     progress.check()?;
-    let thin_sides = options.sizes.thin_sides(&surface, f64::from(side), &|| progress.is_cancelled());
+    let is_cancelled = || progress.is_cancelled();
+    let small = options.sizes.small_sides(&surface, f64::from(side), features.crease, &is_cancelled);
     progress.check()?;
     let surface = surface.with_contacts(f64::from(side));
     progress.check()?;
-    let mut surface = surface.fitted_to(features, side, thin_sides.as_deref(), progress);
+    let mut surface = surface.fitted_to(features, side, small.at_vertices.as_deref(), progress);
     progress.check()?;
     if surface.parts(mosaic::longest_edges(&surface, &Sizes::equal(), count, options.aspect)[0]) > MOST_PARTS * count {
         progress.check()?;
         surface = surface.coarsened(f64::from(side), features, progress);
     }
     progress.check()?;
-    let mut wanted = options.sizes.on(&surface, f64::from(side), thin_sides.is_some(), features.crease)?;
+    let mut wanted = options.sizes.on(&surface, f64::from(side), small.is_thin, features.crease)?;
     if matches!(options.fineness, Fineness::Size(_)) {
         wanted.keep_scale(&surface, count)?;
     }
@@ -117,7 +118,8 @@ impl<'a> Sizing<'a> {
             }
             sizes = wanted.sizes(&surface, count)?;
         }
-        Ok(Prepared { surface, sizing: Self { wanted, ..self }, sizes, count })
+        let intervals = wanted.intervals(&surface, &sizes, count);
+        Ok(Prepared { surface, sizing: Self { wanted, ..self }, sizes: sizes.with_intervals(intervals), count })
     }
 }
 

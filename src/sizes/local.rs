@@ -176,8 +176,7 @@ impl Limit {
     /// So many tiles at least round each closed curve that is round.
     pub fn round_holes(surface: &Surface, around: usize, growth: f64) -> Self {
         let point = |v: u32| DVec3::from(surface.point(v));
-        let curves = surface.features().curves().iter().filter(|curve| is_round(surface, curve));
-        let segments = curves.flat_map(|curve| {
+        let segments = round_curves(surface).flat_map(|(_, curve)| {
             let size = curve.length() / around as f64;
             curve.vertices.windows(2).map(move |ends| (size, [ends[0], ends[1]]))
         });
@@ -207,6 +206,11 @@ pub(super) fn least(limits: &[Limit], surface: &Surface, first: usize) -> Vec<f6
         limits.iter().map(|limit| limit.at(point)).fold(f64::INFINITY, f64::min)
     };
     (first as u32..surface.vertex_count() as u32).into_par_iter().map(least).collect()
+}
+
+/// The closed features of a surface that are round, with their indices.
+pub(super) fn round_curves(surface: &Surface) -> impl Iterator<Item = (usize, &Curve)> {
+    surface.features().curves().iter().enumerate().filter(|(_, curve)| is_round(surface, curve))
 }
 
 /// Whether a curve is closed, and all of it is about equally far from its centre.

@@ -77,6 +77,16 @@ fn known(regions: &[String]) -> String {
 pub struct Sizes {
     /// Empty: 1 everywhere.
     relative: Vec<f32>,
+    intervals: Vec<Intervals>,
+}
+
+/// A closed curve of the surface's features with a number of tiles that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Intervals {
+    /// The curve, by its index.
+    pub curve: usize,
+    /// The number of tiles round it.
+    pub count: usize,
 }
 
 impl Sizes {
@@ -104,16 +114,27 @@ impl Sizes {
         for v in 0..vertices {
             relative[v] = relative[first(v)];
         }
-        Ok(Self { relative })
+        Ok(Self { relative, intervals: Vec::new() })
     }
 
-    /// The product of the two at each vertex.
+    /// With numbers of tiles round closed curves of the surface.
+    pub fn with_intervals(self, intervals: Vec<Intervals>) -> Self {
+        Self { intervals, ..self }
+    }
+
+    /// The closed curves with a number of tiles that is asked for.
+    pub fn intervals(&self) -> &[Intervals] {
+        &self.intervals
+    }
+
+    /// The product of the two at each vertex, with the intervals of the first.
     pub fn times(&self, other: &Self) -> Self {
-        match (self.is_equal(), other.is_equal()) {
-            (_, true) => self.clone(),
-            (true, _) => other.clone(),
-            _ => Self { relative: zip(&self.relative, &other.relative).map(|(a, b)| a * b).collect() },
-        }
+        let relative = match (self.is_equal(), other.is_equal()) {
+            (_, true) => self.relative.clone(),
+            (true, _) => other.relative.clone(),
+            _ => zip(&self.relative, &other.relative).map(|(a, b)| a * b).collect(),
+        };
+        Self { relative, intervals: self.intervals.clone() }
     }
 
     /// Lowered where they grow faster than allowed: by at most `growth - 1` sides a side along the surface's edges, where
@@ -124,7 +145,7 @@ impl Sizes {
         }
         let mut sides: Vec<f64> = self.relative.iter().map(|&size| side * f64::from(size)).collect();
         Growth::new(surface).limit(&mut sides, growth - 1.0);
-        Self { relative: sides.iter().map(|h| (h / side) as f32).collect() }
+        Self { relative: sides.iter().map(|h| (h / side) as f32).collect(), ..self.clone() }
     }
 
     /// Whether they are 1 everywhere by construction.

@@ -1,12 +1,12 @@
 //! The sizes of a surface from the user's options: sizes at points, and a bound on the turn of the surface within a tile.
 
 use super::growth::Growth;
-use super::local::{Limit, LocalSize, least};
-use super::{SizeSample, Sizes, SizesError};
+use super::local::{Limit, LocalSize, least, round_curves};
+use super::{Intervals, SizeSample, Sizes, SizesError};
 use crate::progress::IsCancelled;
-use crate::surface::Surface;
 use crate::surface::curvature::{curvatures_above, radius_of_tile};
 use crate::surface::girth::girths;
+use crate::surface::{Curve, Surface};
 use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -23,6 +23,8 @@ const SPECK: f64 = 0.01;
 const THIN_SHARE: f64 = 0.5;
 /// The distance from a place within which tiles are made smaller, in their sides.
 const REFINED: f64 = 1.5;
+/// A round curve has the asked number of tiles where its sizes give no more than so many times as many.
+const MOST_INTERVALS: f64 = 1.2;
 /// Where no more tiles than this are asked for, smaller ones are added to them.
 pub(crate) const FEW: usize = 300;
 /// The samples that the size of a place is a mean of.
@@ -47,7 +49,8 @@ pub struct SizeOptions {
     pub around: f64,
     /// Sizes at places, which are the largest there. Default: none.
     pub local: Vec<LocalSize>,
-    /// About the least number of tiles round each round hole, and each other closed feature that is round. 0: any, the default.
+    /// The least number of tiles round each round hole, and each other closed feature that is round: just so many where others would
+    /// be fewer, or about as many where the mosaic is laid coarsely and split. 0: any, the default.
     pub around_holes: usize,
     /// The least side, in model units; it counts before all others. Default: none.
     pub least: Option<f64>,
@@ -88,11 +91,7 @@ impl SizeOptions {
         {
             return Err(SizesError::Range { least, largest });
         }
-        let local = self.local.iter().map(|local| Limit::new(surface, local, crease, self.growth));
-        let mut places = local.collect::<Result<Vec<Limit>, SizesError>>()?;
-        if self.around_holes > 0 {
-            places.push(Limit::round_holes(surface, self.around_holes, self.growth));
-        }
+        let places = self.places(surface, crease).collect::<Result<Vec<Limit>, SizesError>>()?;
         Ok(Wanted {
             options: self,
             samples: self.spread(surface),
@@ -106,13 +105,35 @@ impl SizeOptions {
         })
     }
 
-    /// The sides of tiles that thin parts ask for, at each vertex, where other tiles have this side, all in unit-sized coordinates;
-    /// `None` without thin parts.
-    pub(crate) fn thin_sides(&self, surface: &Surface, side: f64, is_cancelled: &IsCancelled) -> Option<Vec<f64>> {
-        let girths = self.girths(surface, side, is_cancelled)?;
-        let mut sides: Vec<f64> = girths.iter().map(|girth| self.thin_side(side, *girth)).collect();
+    /// The sides of tiles that thin parts and places ask for, before features that tiles do not resolve are dropped.
+    pub(crate) fn small_sides(
+        &self,
+        surface: &Surface,
+        side: f64,
+        crease: f64,
+        is_cancelled: &IsCancelled,
+    ) -> SmallSides {
+        let girths = self.girths(surface, side, is_cancelled);
+        // Ridges are not known yet; that a place is not there is told with the sizes.
+        let places = self.places(surface, crease).filter_map(Result::ok).collect::<Vec<Limit>>();
+        let is_thin = girths.is_some();
+        if !is_thin && places.is_empty() {
+            return SmallSides { is_thin, at_vertices: None };
+        }
+        let mut sides = least(&places, surface, 0);
+        sides.iter_mut().for_each(|limit| *limit = limit.min(side));
+        for (limit, girth) in sides.iter_mut().zip(girths.iter().flatten()) {
+            *limit = limit.min(self.thin_side(side, *girth));
+        }
         Growth::new(surface).limit(&mut sides, self.growth - 1.0);
-        Some(sides)
+        SmallSides { is_thin, at_vertices: Some(sides) }
+    }
+
+    /// The places with sizes of their own.
+    fn places(&self, surface: &Surface, crease: f64) -> impl Iterator<Item = Result<Limit, SizesError>> {
+        let local = self.local.iter().map(move |local| Limit::new(surface, local, crease, self.growth));
+        let round = (self.around_holes > 0).then(|| Limit::round_holes(surface, self.around_holes, self.growth));
+        local.chain(round.map(Ok))
     }
 
     /// The side of tiles on a part of a girth, where other tiles have this side.
@@ -181,6 +202,14 @@ impl SizeOptions {
     }
 }
 
+/// Sides of tiles, in unit-sized coordinates.
+pub(crate) struct SmallSides {
+    /// Whether the surface has thin parts.
+    pub is_thin: bool,
+    /// The sides at each vertex; `None`: all are as large as others.
+    pub at_vertices: Option<Vec<f64>>,
+}
+
 /// The wanted sizes at the vertices of a surface.
 pub(crate) struct Wanted<'a> {
     options: &'a SizeOptions,
@@ -219,6 +248,22 @@ impl Wanted<'_> {
         let SizeOptions { least, largest, .. } = self.options;
         let is_bounded = least.is_some() || largest.is_some() || !self.places.is_empty() || surface.keeps_boundary();
         self.girths.is_none() && self.limits.is_none() && !is_bounded
+    }
+
+    /// The round curves on which fewer tiles of these sizes would lie than are asked for, where `count` cover the surface.
+    pub fn intervals(&self, surface: &Surface, sizes: &Sizes, count: usize) -> Vec<Intervals> {
+        if self.options.around_holes == 0 {
+            return Vec::new();
+        }
+        let scale = f64::from(sizes.side_for_count(surface, count));
+        let side = |v: u32| scale * f64::from(sizes.at_vertex(v));
+        let asked = self.options.around_holes;
+        let of = |(index, curve): (usize, &Curve)| {
+            let ends = curve.vertices.windows(2).zip(curve.arcs.windows(2));
+            let tiles: f64 = ends.map(|(v, arcs)| 2.0 * (arcs[1] - arcs[0]) / (side(v[0]) + side(v[1]))).sum();
+            (tiles < MOST_INTERVALS * asked as f64).then_some(Intervals { curve: index, count: asked })
+        };
+        round_curves(surface).filter_map(of).collect()
     }
 
     /// Keeps the scale for `count` tiles of the sizes of the samples: smaller ones are added to them.
