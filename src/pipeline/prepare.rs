@@ -71,7 +71,7 @@ pub(super) fn prepared<'a>(
     progress.check()?;
     let thin_sides = options.sizes.thin_sides(&surface, f64::from(side), &|| progress.is_cancelled());
     progress.check()?;
-    let surface = surface.with_contacts(f64::from(side));
+    let surface = surface.with_contacts_watched(f64::from(side), progress);
     progress.check()?;
     let mut surface = surface.fitted_to(features, side, thin_sides.as_deref(), progress);
     progress.check()?;
