@@ -180,6 +180,9 @@ impl<'a> Measure<'a> {
             }
         }
         let about = |[x, y, z]: [i64; 3]| {
+            if is_cancelled() {
+                return 0.0;
+            }
             let span = -CELLS..=CELLS;
             let cells = span.clone().flat_map(|i| span.clone().flat_map(move |j| span_of([x + i, y + j, z])));
             let found = cells.filter_map(|cell| sums.get(&cell));

@@ -267,8 +267,6 @@ struct Evaluation {
     targets: Vec<(u32, glam::DVec3)>,
     /// The faces of the mesh that it changes, and those at their vertices.
     neighbourhood: Vec<u32>,
-    /// Those of them whose best edits may be others after it; the far faces at a hub are too many to try again each time.
-    nearest: Vec<u32>,
     /// All faces of the mesh that it depends on.
     dependencies: Vec<u32>,
 }
@@ -342,7 +340,7 @@ impl<'a> Engine<'a> {
                     continue;
                 }
                 changed.extend(edit.changed().map(|(face, _)| face).filter(|face| *face < NEW));
-                again.extend(&evaluation.nearest);
+                again.extend(&evaluation.neighbourhood);
                 let change = edit.into_change();
                 let first_added = self.mesh.face_bound() as u32;
                 let faces = self.make(&change, &evaluation.targets);
@@ -397,9 +395,8 @@ impl<'a> Engine<'a> {
         let regularity_gain = if regularity > 0.0 { regularity * self.irregularity_removed(edit) } else { 0.0 };
         let gain = gain(before, after) + regularity_gain - self.chord_loss(edit);
         let old = |faces: Vec<u32>| faces.into_iter().filter(|face| *face < NEW).collect();
-        let lists = [relaxed.neighbourhood, relaxed.nearest, relaxed.dependencies];
-        let [neighbourhood, nearest, dependencies] = lists.map(old);
-        Some(Evaluation { gain, targets: relaxed.targets, neighbourhood, nearest, dependencies })
+        let [neighbourhood, dependencies] = [relaxed.neighbourhood, relaxed.dependencies].map(old);
+        Some(Evaluation { gain, targets: relaxed.targets, neighbourhood, dependencies })
     }
 
     /// Whether an edit adds no fault once its vertices have walked to their places. On small triangles and beside features a

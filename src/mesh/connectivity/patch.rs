@@ -13,9 +13,6 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 /// The number of rings of faces about the changed faces in the patch; vertices inside it move.
 const RINGS: usize = 2;
-/// A vertex of more faces is a hub: the patch does not grow from its rim. Where a surface narrows to far below a tile, each edit at a
-/// hub would cost as much as the whole mesh otherwise.
-const HUB: usize = 24;
 /// Sweeps over the vertices.
 const SWEEPS: usize = 6;
 /// The relaxation factor of a sweep.
@@ -35,8 +32,6 @@ pub(crate) struct Relaxed {
     pub least_after: f64,
     /// The changed faces and those at their vertices.
     pub neighbourhood: Vec<u32>,
-    /// Those of them that are not at a hub alone.
-    pub nearest: Vec<u32>,
     /// All faces that the scores depend on.
     pub dependencies: Vec<u32>,
 }
@@ -60,7 +55,6 @@ pub(crate) fn relaxed(context: &Context, edit: &Edit, known: &[Measure], price: 
         least_after: least(&mut new.iter()),
         dependencies: removed().chain(patch.faces.iter().copied()).collect(),
         neighbourhood: removed().chain(patch.faces[..patch.first_ring].iter().copied()).collect(),
-        nearest: removed().chain(patch.faces[..patch.off_hubs].iter().copied()).collect(),
         targets: patch.free.iter().map(|&v| (patch.vertices[v], patch.points[v])).collect(),
     }
 }
@@ -74,8 +68,6 @@ struct Patch<'a> {
     faces: Vec<u32>,
     /// The number of faces in the first ring: the first faces.
     first_ring: usize,
-    /// The number of those that are not at a hub alone.
-    off_hubs: usize,
     corners: Vec<Vec<usize>>,
     /// The maps of the faces' metric; empty where tiles are squares.
     maps: Vec<MetricMap>,
@@ -92,13 +84,10 @@ impl<'a> Patch<'a> {
         vertices.retain(|&v| edit.around(v).next().is_some());
         let mut number: FxHashMap<u32, usize> = vertices.iter().enumerate().map(|(k, v)| (*v, k)).collect();
         let (mut faces, mut seen) = (Vec::new(), FxHashSet::default());
-        let (mut first_ring, mut off_hubs, mut inner, mut reached) = (0, 0, 0, vertices.len());
-        let is_hub = |v: u32| v < NEW && edit.mesh.around(v).len() > HUB;
-        let mut outer_hubs = Vec::new();
+        let (mut first_ring, mut inner) = (0, 0);
         for ring in 0..RINGS {
-            let begin = std::mem::replace(&mut inner, reached);
-            let (hubs, others): (Vec<usize>, Vec<usize>) = (begin..inner).partition(|&k| is_hub(vertices[k]));
-            let mut add_faces_at = |k: usize, vertices: &mut Vec<u32>, faces: &mut Vec<u32>| {
+            let begin = std::mem::replace(&mut inner, vertices.len());
+            for k in begin..inner {
                 for face in edit.around(vertices[k]).filter(|face| seen.insert(*face)) {
                     faces.push(face);
                     for &v in edit.face(face) {
@@ -108,15 +97,9 @@ impl<'a> Patch<'a> {
                         });
                     }
                 }
-            };
-            others.into_iter().for_each(|k| add_faces_at(k, &mut vertices, &mut faces));
-            reached = vertices.len();
+            }
             if ring == 0 {
-                off_hubs = faces.len();
-                hubs.into_iter().for_each(|k| add_faces_at(k, &mut vertices, &mut faces));
                 first_ring = faces.len();
-            } else {
-                outer_hubs = hubs;
             }
         }
         let corners: Vec<Vec<usize>> =
@@ -128,8 +111,7 @@ impl<'a> Patch<'a> {
                 all_uses[v].push((f, k));
             }
         }
-        let is_whole = |v: &usize| outer_hubs.binary_search(v).is_err();
-        let free: Vec<usize> = (0..inner).filter(|&v| edit.is_free(vertices[v])).filter(is_whole).collect();
+        let free: Vec<usize> = (0..inner).filter(|&v| edit.is_free(vertices[v])).collect();
         Self {
             edit,
             maps: edit.mesh.metric().maps_of(faces.iter().map(originals)),
@@ -139,7 +121,6 @@ impl<'a> Patch<'a> {
             vertices,
             faces,
             first_ring,
-            off_hubs,
             corners,
             free,
         }
@@ -173,50 +154,5 @@ impl<'a> Patch<'a> {
         let before = is_same.then(|| &known[face as usize]);
         let sheets = corners.iter().map(|&v| self.edit.vertex(self.vertices[v]).triangles);
         Measure::of(points, self.maps.get(f), before, || context.orientation.is_inverted(points, sheets))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::{Mesh, SurfaceMesh};
-    use crate::surface::{FeatureOptions, Soup, Surface};
-    use std::f64::consts::TAU;
-
-    /// The number of faces in the patch about two triangles that become one quad at the middle of a disc, of three rings of so many
-    /// faces.
-    fn patch_at_middle(count: u32) -> usize {
-        let at = |ring: u32, k: u32| if ring == 0 { 0 } else { 1 + (ring - 1) * count + k % count };
-        let place = |ring: u32, k: u32| {
-            let (sine, cosine) = (TAU * f64::from(k) / f64::from(count)).sin_cos();
-            [f64::from(ring) * cosine, f64::from(ring) * sine, 0.0]
-        };
-        let around = (1..4).flat_map(|ring| (0..count).map(move |k| place(ring, k)));
-        let points: Vec<[f64; 3]> = [[0.0; 3]].into_iter().chain(around).collect();
-        let mut mesh = Mesh::new(points.clone());
-        (0..count).for_each(|k| mesh.push_face(&[0, at(1, k), at(1, k + 1)]));
-        for ring in 1..3 {
-            for k in 0..count {
-                mesh.push_face(&[at(ring, k), at(ring + 1, k), at(ring + 1, k + 1), at(ring, k + 1)]);
-            }
-        }
-        let split = |face: &[u32]| face.windows(2).skip(1).map(|edge| [face[0], edge[0], edge[1]]).collect::<Vec<_>>();
-        let soup = Soup::new(points, mesh.faces().flat_map(split).collect());
-        let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-        let context = Context::new(&surface);
-        let mesh = SurfaceMesh::of(&context, &mesh);
-        let mut edit = Edit::new(&mesh);
-        edit.set_face(0, &[0, at(1, 0), at(1, 1), at(1, 2)]);
-        edit.set_face(1, &[]);
-        Patch::about(&edit).faces.len()
-    }
-
-    #[test]
-    fn a_patch_does_not_grow_from_the_rim_of_a_hub() {
-        let below = HUB as u32 - 4;
-        assert!(patch_at_middle(below) >= 2 * below as usize - 1, "two whole rings");
-        for count in [HUB as u32 + 4, 200] {
-            assert!((count as usize - 1..count as usize + 12).contains(&patch_at_middle(count)), "{count}");
-        }
     }
 }
