@@ -148,8 +148,11 @@ impl<'a> Measure<'a> {
         };
         let doubled: Vec<DVec3> = triangles().map(|t| sides(t)[0].cross(sides(t)[1])).collect();
         let normals: Vec<DVec3> = doubled.iter().map(|n| n.normalize_or_zero()).collect();
-        let turns: Vec<f32> =
-            triangles().flat_map_iter(|t| (3 * t..3 * t + 3).map(|h| turn(surface, &normals, h as u32))).collect();
+        let turns_of = |t: usize| (3 * t..3 * t + 3).map(|h| turn(surface, &normals, h as u32));
+        let turns: Vec<f32> = match is_cancelled() {
+            true => vec![0.0; 3 * surface.triangle_count()],
+            false => triangles().flat_map_iter(turns_of).collect(),
+        };
         let tensors = triangles().map(|t| {
             let sides = sides(t);
             (0..3).map(|k| half_tensor(sides[k], turns[3 * t + k])).sum::<DMat3>().as_mat3()
