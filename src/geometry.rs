@@ -71,6 +71,15 @@ pub(crate) fn axis_at([a, b, c]: [Vec3; 3], z: [[f32; 2]; 3], [wb, wc]: [f32; 2]
     first * x + cross(normal, first) * y
 }
 
+/// A number from 0 to 1 that looks random in `number` (SplitMix64's finalizer).
+pub(crate) fn scattered(number: u64) -> f32 {
+    let mut x = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^= x >> 31;
+    (x >> 40) as f32 / (1u64 << 24) as f32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -80,6 +80,15 @@ pub(crate) type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
 /// Cheap loops ask once in so many elements.
 pub(crate) const ASKED_EVERY: usize = 1024;
 
+/// The items up to where the run is cancelled.
+pub(crate) fn until_cancelled<'a, T>(
+    items: impl Iterator<Item = T> + 'a,
+    is_cancelled: &'a IsCancelled,
+) -> impl Iterator<Item = T> + 'a {
+    let is_wanted = |(k, _): &(usize, T)| !(k.is_multiple_of(ASKED_EVERY) && is_cancelled());
+    items.enumerate().take_while(is_wanted).map(|(_, item)| item)
+}
+
 /// The time between two calls of the user's function within a stage.
 const INTERVAL: Duration = Duration::from_millis(10);
 
@@ -202,6 +211,18 @@ mod tests {
     use super::*;
     use rayon::prelude::*;
     use std::sync::atomic::AtomicUsize;
+
+    #[test]
+    fn loops_ask_once_in_so_many_items_and_end_where_the_run_is_cancelled() {
+        let asked = AtomicUsize::new(0);
+        let passed = |last: usize| {
+            asked.store(0, Ordering::Relaxed);
+            let is_cancelled = || asked.fetch_add(1, Ordering::Relaxed) >= last;
+            until_cancelled(0..10 * ASKED_EVERY, &is_cancelled).count()
+        };
+        assert_eq!((passed(usize::MAX), asked.load(Ordering::Relaxed)), (10 * ASKED_EVERY, 10));
+        assert_eq!([passed(0), passed(3)], [0, 3 * ASKED_EVERY]);
+    }
 
     #[test]
     fn the_function_is_called_once_an_interval_and_not_after_a_break() {

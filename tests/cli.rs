@@ -397,6 +397,10 @@ fn a_mesh_that_cannot_be_kept_is_not_begun() {
     assert!(said.contains("./out.obj cannot be written: it is the same file as out.obj"), "{said}");
     for (dash, message) in [
         (&["mesh", large, "-o", "-"][..], "name the format of standard output: --to obj|ply"),
+        (
+            &["mesh", large, "-o", "/dev/null"],
+            "/dev/null: there is no extension that tells the format; name it, as by --to obj",
+        ),
         (&["mesh", large, "-o", "-", "--to", "obj", "--report", "-"], "cannot both go to standard output"),
         (&["mosaic", large, "-o", "-"], "this result goes to a file"),
     ] {
@@ -405,6 +409,71 @@ fn a_mesh_that_cannot_be_kept_is_not_begun() {
     }
     let said = desk.refusal(1, &["example", "m6", "-o", "none/out.obj"]);
     assert!(said.contains("none/out.obj cannot be written"), "{said}");
+}
+
+#[test]
+fn no_report_of_an_earlier_run_stays_beside_a_run_that_fails() {
+    let desk = Desk::new();
+    let surface = "example:sphere:2000";
+    let mesh = ["mesh", surface, "--points", "100", "-o", "out.obj", "--report", "out.json"];
+    let error = || -> Option<String> {
+        let report: Value = serde_json::from_slice(&fs::read(desk.path("out.json")).ok()?).ok()?;
+        Some(report["error"].as_str().unwrap_or("none").to_owned())
+    };
+    let refused = |code: i32, arguments: &[&str]| {
+        let output = desk.run(arguments);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+        text(&output.stderr)
+    };
+    let fresh = || {
+        desk.said(&mesh);
+        assert_eq!(error().as_deref(), Some("none"));
+    };
+    // An output that is refused is a failure like others.
+    fresh();
+    let said = refused(1, &["mesh", surface, "-o", "none/out.obj", "--report", "out.json"]);
+    assert_eq!(error().map(|error| format!("error: {error}\n")), Some(said));
+    // Wrong usage is no run, and has no report.
+    for more in [&["--layout", "quads", "--quads", "paper"][..], &["--points=few"], &["--crease", "40", "--foo"]] {
+        fresh();
+        refused(2, &[&mesh[..2], &mesh[4..], more].concat());
+        assert_eq!(error(), None, "{more:?}");
+    }
+    fresh();
+    refused(2, &["mesh", surface, "--size", "x", "--report=out.json", "-o", "out.obj"]);
+    assert_eq!(error(), None);
+    fresh();
+    refused(1, &["check", "none.obj", "--report", "out.json"]);
+    assert_eq!(error(), None);
+    // What asks for no run leaves it; so does a file that is no report.
+    fresh();
+    desk.said(&[&mesh[..], &["--help"]].concat());
+    desk.said(&[&mesh[..], &["--print-config"]].concat());
+    assert!(error().is_some());
+    desk.put("out.json", SQUARE);
+    refused(2, &[&mesh[..], &["--foo"]].concat());
+    refused(1, &["mesh", "out.json", "-o", "other.obj", "--report", "out.json"]);
+    assert_eq!(text(&desk.bytes("out.json")), SQUARE);
+}
+
+#[test]
+fn usage_names_the_users_own_options_alone() {
+    let desk = Desk::new();
+    let usage = |more: &[&str]| {
+        let said = text(&desk.run(&[&["mesh", "example:sphere"], more].concat()).stderr);
+        said.lines().find(|line| line.starts_with("Usage: ")).unwrap_or_else(|| panic!("{said}")).to_owned()
+    };
+    for chosen in [["--layout", "quads"], ["--preset", "scan"]] {
+        for wrong in [&[][..], &["-o", "out.obj", "--points", "100", "--size", "1"], &["-o", "out.obj", "--foo"]] {
+            let usage = usage(&[&chosen, wrong].concat());
+            assert!(usage.contains(chosen[0]), "{usage}");
+            for set in ["--fit", "--rows", "--quads", "--crease", "--weld"] {
+                assert!(!usage.contains(set), "{wrong:?}: {usage}");
+            }
+        }
+    }
+    let own = usage(&["--layout", "quads", "--rows", "paper", "-o", "out.obj", "--foo"]);
+    assert!(own.contains("--rows"), "{own}");
 }
 
 #[cfg(target_os = "linux")]
@@ -454,7 +523,10 @@ fn wrong_usage_is_told_from_failure() {
             &["mesh", "example:m6", "-o", "out.stp"],
             "out.stp: \"stp\" is no format of meshes; the formats are obj, ply, stl",
         ),
-        (&["mesh", "example:m6", "-o", "obj"], "obj: there is no extension; the formats are obj"),
+        (
+            &["mesh", "example:m6", "-o", "obj"],
+            "obj: there is no extension that tells the format; name it, as by --to obj (or ply, stl, ",
+        ),
         (&["mesh", "example:m6", "-o", "out.msh", "--holes", "leave"], "msh has no faces of more than four corners"),
         (&["mesh", "example:m6", "-o", "out.obj", "--to", "cgns"], "\"cgns\" is no format of meshes"),
         (&["example", "torus", "--blunt", "-o", "out.obj"], "go with the example m6 only"),
@@ -498,6 +570,38 @@ fn examples_are_surfaces_that_can_be_read_again() {
     for flag in ["--blunt", "--flat-tip", "--whole-span"] {
         assert_ne!(wing(&[flag]), plain, "{flag}");
     }
+}
+
+#[test]
+fn a_noisy_scan_is_meshed_along_a_few_strokes() {
+    let desk = Desk::new();
+    let scan = |noise: &str| {
+        desk.said(&["example", "torus", "--triangles", "8000", "--noise", noise, "-o", "scan.ply"]);
+        read_mesh(&desk.path("scan.ply")).expect("a surface").points
+    };
+    let [first, again, other] = ["0.01", "0.01", "0.02"].map(scan);
+    assert_eq!(first, again, "the same noise each time");
+    let plain = Example::Torus.generate(8_000).points;
+    let farthest = |points: &[[f64; 3]]| {
+        let moved = points.as_flattened().iter().zip(plain.as_flattened()).map(|(x, y)| (x - y).abs());
+        moved.fold(0.0, f64::max)
+    };
+    assert!((0.0099..0.0101).contains(&farthest(&first)) && (0.0198..0.0202).contains(&farthest(&other)));
+    desk.refusal(2, &["example", "torus", "--noise", "-1", "-o", "out.obj"]);
+
+    // Rows along the outside; they turn with the strokes.
+    let mesh = |points: &str| {
+        desk.put("strokes.json", format!("{{\"strokes\": [{{\"points\": [{points}]}}]}}"));
+        let files = ["-o", "out.obj", "--report", "out.json"];
+        let mesh = ["mesh", "scan.ply", "--preset", "scan", "--points", "600", "--guides", "strokes.json"];
+        desk.said(&[&mesh[..], &files].concat());
+        let report: Value = serde_json::from_slice(&desk.bytes("out.json")).expect("it is JSON");
+        assert_eq!((&report["surface"]["curves"], &report["faults"]["list"]), (&0.into(), &Value::Array(vec![])));
+        assert!(report["mesh"]["qr"].as_f64().is_some_and(|qr| qr > 0.9), "{}", report["mesh"]["qr"]);
+        desk.bytes("out.obj")
+    };
+    let along = mesh("[1.4, 0, 0], [1.21, 0.7, 0], [0.7, 1.21, 0]");
+    assert_ne!(along, mesh("[1.4, 0, 0], [1.35, 0.4, 0.15], [1.1, 0.7, 0.3]"), "a stroke has an effect");
 }
 
 #[test]
@@ -1106,7 +1210,7 @@ fn the_boundary_of_the_surface_is_kept_in_the_file() {
         (["--keep-boundary=0"].as_slice(), "write exact"),
         (&["--keep-boundary", "--symmetry=x"], "cannot be used with"),
     ] {
-        let said = desk.refusal(2, &[&mesh[..], refused].concat());
+        let said = desk.refusal(2, &[&mesh[..6], refused].concat());
         assert!(said.contains(message), "{said}");
     }
 }

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Reads every written format back with programs that are not ours. The exit code is 77 where they cannot be installed.
+# Reads every written format back with programs that are not ours. The exit code is 77 where they cannot be installed. --prepare: install
+# them, and no more.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 exec </dev/null
@@ -27,5 +28,6 @@ if ! "$venv/bin/python" -c 'import meshio, pyvista, gmsh, trimesh' 2>/dev/null; 
         missing "meshio, pyvista, gmsh and trimesh cannot be installed from PyPI"
 fi
 
-cargo build --release --quiet || exit 1
-exec "$venv/bin/python" tests/formats.py target/release/quadmosaic
+if [ "${1-}" = --prepare ]; then exit 0; fi
+program=$(program) || exit 1
+exec "$venv/bin/python" tests/formats.py "$program"

@@ -96,7 +96,7 @@ fn the_program_takes_limits_from_the_command_line_and_from_files() {
     let output = desk.run(&[&mesh[..], &["500", "--time-limit", "600", "--max-memory", "1G"]].concat());
     assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
     for (option, value, message) in [
-        ("--max-memory", "2X", "write a number of bytes, or one with K, M, G or T, as 2G"),
+        ("--max-memory", "2X", "write a number of bytes, or one with K, M, G or T, as 2G or 2GB"),
         ("--time-limit", "0", "the time is a number above 0, at most 100000000, in seconds"),
     ] {
         let output = desk.run(&[&mesh[..], &["500", option, value]].concat());

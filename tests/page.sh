@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Opens pages in Chromium, draws on them with the mouse, and meshes with what was drawn. The exit code is 77 where it cannot be
-# installed.
+# installed. --prepare: install it, and no more.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 exec </dev/null
@@ -18,5 +18,6 @@ if ! "$venv/bin/python" -c 'import websocket' 2>/dev/null; then
         missing "websocket-client cannot be installed from PyPI"
 fi
 
-cargo build --release --quiet || exit 1
-exec "$venv/bin/python" tests/page.py target/release/quadmosaic "$(browser)"
+if [ "${1-}" = --prepare ]; then exit 0; fi
+program=$(program) || exit 1
+exec "$venv/bin/python" tests/page.py "$program" "$(browser)"

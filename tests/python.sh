@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the wheel, installs it in a clean virtual environment, and runs the Python package's tests and type checks there. The exit
-# code is 77 where PyPI cannot be reached.
+# code is 77 where PyPI cannot be reached. --prepare: make the environment, and no more; the next call uses it.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 exec </dev/null
@@ -16,11 +16,18 @@ if ! "$tools/bin/maturin" --version >/dev/null 2>&1; then
         missing "maturin cannot be installed from PyPI"
 fi
 
-rm -rf "$folder/wheels" "$folder/venv"
+if [ ! -e "$folder/venv/prepared" ]; then
+    rm -rf "$folder/venv"
+    python3 -m venv "$folder/venv" || exit 1
+    "$folder/venv/bin/pip" install --quiet --disable-pip-version-check numpy pytest mypy trimesh meshio pyvista distributed ||
+        missing "numpy, pytest, mypy, trimesh, meshio, pyvista and distributed cannot be installed from PyPI"
+    touch "$folder/venv/prepared"
+fi
+if [ "${1-}" = --prepare ]; then exit 0; fi
+rm "$folder/venv/prepared"
+
+rm -rf "$folder/wheels"
 (cd python && "$tools/bin/maturin" build --release --quiet --out "$folder/wheels") || exit 1
-python3 -m venv "$folder/venv" || exit 1
-"$folder/venv/bin/pip" install --quiet --disable-pip-version-check numpy pytest mypy trimesh meshio pyvista distributed ||
-    missing "numpy, pytest, mypy, trimesh, meshio, pyvista and distributed cannot be installed from PyPI"
 "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --no-index "$folder"/wheels/*.whl || exit 1
 
 # The installed package is tested, not the folder beside the tests.

@@ -3,25 +3,33 @@
 set -uo pipefail
 cd "$(dirname "$0")/.."
 exec </dev/null
-log=$(mktemp)
-trap 'rm -f "$log"' EXIT
+# Two chains run side by side, as many steps use one core: the tests here, the lints behind.
+folder=$(mktemp -d)
+trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$folder"' EXIT
+log=$folder/log
 
-# Lints and docs: one check each. A missing component of the toolchain is a skip, not a failure.
-passed=0 failed=0 skipped=0 failures=()
-fail() {
-    failed=$((failed + 1))
-    failures+=("FAILED $1")
-    echo "FAILED $1"
-}
+# One line a check, of all chains: passed, failed or skipped, and what. A missing component of the toolchain is a skip, not a failure.
+results=$folder/results
+: >"$results"
 check() {
     local what=$1; shift
     echo "== $what, after $SECONDS s"
-    if "$@"; then passed=$((passed + 1)); else fail "$what"; fi
+    "$@"
+    case $? in
+        0) echo "passed $what" >>"$results" ;;
+        # A script cannot install what it needs.
+        77) skip "$what" "what it needs cannot be installed" ;;
+        *)
+            echo "FAILED $what"
+            echo "failed $what" >>"$results"
+            ;;
+    esac
 }
 skip() {
     echo "SKIPPED $1: $2"
-    skipped=$((skipped + 1))
+    echo "skipped $1" >>"$results"
 }
+count() { grep -c "^$1 " "$results"; }
 
 # The GPU tests run on Mesa's software driver where there is no other.
 if ! compgen -G "/usr/share/vulkan/icd.d/*icd*.json" >/dev/null && ! compgen -G "/etc/vulkan/icd.d/*icd*.json" >/dev/null; then
@@ -38,65 +46,58 @@ export QUADMOSAIC_REQUIRE_GPU="${QUADMOSAIC_REQUIRE_GPU-1}"
 # The random surfaces of tests/campaign; 5000 by hand.
 export QUADMOSAIC_CAMPAIGN="${QUADMOSAIC_CAMPAIGN-300}"
 
-if cargo fmt --version >/dev/null 2>&1; then
-    check "cargo fmt" cargo fmt --check
-else
-    skip "cargo fmt" "rustfmt is not installed (rustup component add rustfmt)"
-fi
-if cargo clippy --version >/dev/null 2>&1; then
-    check "cargo clippy" cargo clippy --release --workspace --all-targets -- -D warnings
-else
-    skip "cargo clippy" "clippy is not installed (rustup component add clippy)"
-fi
 # The library alone compiles neither the GPU's crates nor those of the command line and the charts.
 library_alone() {
-    cargo check --release --lib --no-default-features &&
-        ! cargo tree --edges normal --prefix none --no-default-features | grep -E '^(wgpu|clap|indicatif|plotters|png) '
+    ! cargo tree --edges normal --prefix none --no-default-features | grep -E '^(wgpu|clap|indicatif|plotters|png) '
 }
-check "cargo check --no-default-features" library_alone
-if cargo clippy --version >/dev/null 2>&1; then
-    # `page` and `study` have `picture`.
-    for feature in "" gpu page study; do
-        check "cargo clippy, features: ${feature:-none}" \
-            cargo clippy --release --lib --no-default-features --features "$feature" -- -D warnings
-    done
-fi
-check "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --quiet
 # Public signatures name no type of the crates for vectors and for the GPU.
 own_types() {
-    ! grep -rlE '\b(D?Vec[234]|D?Mat[234])\b|wgpu::' target/doc/quadmosaic --include='*.html'
+    ! grep -rlE '\b(D?Vec[234]|D?Mat[234])\b|wgpu::' "$CARGO_TARGET_DIR/doc/quadmosaic" --include='*.html'
 }
-check "public types" own_types
+# In a folder of their own: cargo locks the other one while it builds.
+run_lints() {
+    export CARGO_TARGET_DIR=target/lints
+    if cargo fmt --version >/dev/null 2>&1; then
+        check "cargo fmt" cargo fmt --check
+    else
+        skip "cargo fmt" "rustfmt is not installed (rustup component add rustfmt)"
+    fi
+    check "crates of the library alone" library_alone
+    # `page` and `study` have `picture`. One profile, so that the dependencies are checked once.
+    local lint=clippy denied=(-- -D warnings)
+    if ! cargo clippy --version >/dev/null 2>&1; then
+        skip "cargo clippy" "clippy is not installed (rustup component add clippy)"
+        lint=check denied=()
+    fi
+    check "cargo $lint" cargo "$lint" --release --workspace --all-targets "${denied[@]}"
+    for feature in "" gpu page study; do
+        check "cargo $lint, features: ${feature:-none}" \
+            cargo "$lint" --release --lib --no-default-features --features "$feature" "${denied[@]}"
+    done
+    check "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --quiet
+    check "public types" own_types
+    check "cargo package" cargo package --quiet --allow-dirty --no-verify
+}
+run_lints >"$folder/lints" 2>&1 &
+lints=$!
 
-# Programs that are not ours read the formats.
-echo "== formats"
-bash tests/formats.sh
-case $? in
-    0) passed=$((passed + 1)) ;;
-    77) skip "formats" "the programs that read them cannot be installed" ;;
-    *) fail formats ;;
-esac
+# Packages of others come over the network while the compiler works.
+for script in formats page python; do bash "tests/$script.sh" --prepare; done >"$folder/prepared" 2>&1 &
+prepared=$!
 
-# A browser shows the pages, and draws on them.
-echo "== page"
-bash tests/page.sh
-case $? in
-    0) passed=$((passed + 1)) ;;
-    77) skip "page" "the browser cannot be installed" ;;
-    *) fail page ;;
-esac
+# The tests need most of the dependencies' features: the program that is built for them is the one that the scripts run.
+# What does not compile is told when they run.
+cargo test --release --no-run --quiet 2>/dev/null
+export QUADMOSAIC_PROGRAM=$PWD/target/release/quadmosaic
+# What cannot be installed is told by the scripts themselves.
+wait "$prepared"
 
-# What a release is made of.
-check "cargo package" cargo package --quiet --allow-dirty --no-verify
-echo "== python"
-bash tests/python.sh
-case $? in
-    0) passed=$((passed + 1)) ;;
-    77) skip "python" "PyPI cannot be reached" ;;
-    *) fail python ;;
-esac
+# Programs that are not ours read the formats; a browser shows the pages, and draws on them; the wheel is what a release is made of.
+check formats bash tests/formats.sh
+check page bash tests/page.sh
+check python bash tests/python.sh
 
-# One profile, so that the dependencies are built once. A test that skips itself says so in a line of its own, and
+# A test that skips itself says so in a line of its own, and
 # cargo counts it as passed: it is taken off there.
 echo "== cargo test, after $SECONDS s"
 cargo test --release --no-fail-fast -- --show-output 2>&1 | tee "$log"
@@ -114,12 +115,15 @@ counts=$(awk '
 read -r p f s <<<"$counts"
 # A test that does not compile, or dies, is in no count of cargo's.
 if [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
-passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
+
+wait "$lints"
+cat "$folder/lints"
+passed=$(($(count passed) + p)) failed=$(($(count failed) + f)) skipped=$(($(count skipped) + s))
 
 # The end of a long log is what is read: each failure stands there again, with what it said.
 if [ "$failed" -gt 0 ]; then
-    printf '%s\n' "${failures[@]}"
-    grep -E -A 3 '^test .* FAILED$|panicked at|^error' "$log"
+    sed -n 's/^failed /FAILED /p' "$results"
+    grep -h -E -A 3 '^test .* FAILED$|panicked at|^error' "$log" "$folder/lints"
 fi
 echo "$SECONDS s"
 echo "$passed passed, $failed failed, $skipped skipped"

@@ -12,3 +12,13 @@ install_packages() {
     if [ "$(id -u)" -ne 0 ]; then root=(sudo -n); fi
     { "${root[@]}" apt-get update -qq && DEBIAN_FRONTEND=noninteractive "${root[@]}" apt-get install -y -qq --no-install-recommends "$@"; } >/dev/null
 }
+
+# The program: that of QUADMOSAIC_PROGRAM, or one that is built. Cargo builds it again, with all below it, where it was built for the tests:
+# their own dependencies ask for more of some crates.
+program() {
+    if [ -n "${QUADMOSAIC_PROGRAM-}" ]; then
+        echo "$QUADMOSAIC_PROGRAM"
+    else
+        cargo build --release --quiet && echo target/release/quadmosaic
+    fi
+}

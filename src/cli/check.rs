@@ -36,7 +36,7 @@ pub struct Arguments {
     repairs: RepairArguments,
     /// Write the printed figures, and every fault, as JSON; -: to standard output
     #[arg(long, value_name = "FILE.json")]
-    report: Option<Output>,
+    pub report: Option<Output>,
 }
 
 const EXAMPLES: &str = "\

@@ -87,7 +87,10 @@ pub fn parse(arguments: &[OsString]) -> anyhow::Result<Request> {
     let all: Vec<OsString> = start.iter().cloned().chain(completion.arguments()).chain(end.iter().cloned()).collect();
     let name = subcommand.get_name();
     if given.get_one(PRINT) != Some(&true) {
-        let matches = command.try_get_matches_from(&all)?;
+        let matches = command.clone().try_get_matches_from(&all);
+        // What is wrong with the user's own arguments is told without those that complete them.
+        let told = |error| command.try_get_matches_from(arguments).err().unwrap_or(error);
+        let matches = matches.map_err(told)?;
         let mut arguments = Arguments::from_arg_matches(&matches)?;
         if let (super::Command::Mesh(mesh), Some(matches)) = (&mut arguments.command, matches.subcommand_matches(name))
         {

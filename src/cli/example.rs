@@ -6,6 +6,7 @@ use super::output::{expect_writable, print_beside};
 use clap::{Args, CommandFactory, error::ErrorKind};
 use quadmosaic::export::MeshFile;
 use quadmosaic::mesh::Mesh;
+use quadmosaic::options::positive;
 use quadmosaic::surface::examples::{Example, M6Options};
 
 /// Writes an example surface as triangles
@@ -29,12 +30,15 @@ pub struct Arguments {
     /// m6 only: both halves, closed (default: one half, open at the root)
     #[arg(long)]
     whole_span: bool,
+    /// Move each coordinate of the vertices at random by up to SIZE, as in a scan
+    #[arg(long, value_name = "SIZE", value_parser = positive)]
+    noise: Option<f64>,
     #[command(flatten)]
     output: MeshOutput,
 }
 
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
-    let Arguments { example, triangles, blunt, flat_tip, whole_span, output } = arguments;
+    let Arguments { example, triangles, blunt, flat_tip, whole_span, noise, output } = arguments;
     let options = M6Options { blunt, flat_tip, whole_span };
     let example = match example {
         Example::M6(_) => Example::M6(options),
@@ -46,7 +50,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     };
     output.format()?;
     output.path().map_or(Ok(()), |path| expect_writable(path, &[]))?;
-    let mesh = Mesh::from(example.generate(triangles));
+    let mesh = Mesh::from(example.generate(triangles).with_noise(noise.unwrap_or(0.0)));
     output.write(&MeshFile::from(&mesh))?;
     let text = format!("{}: {} triangles, {} vertices\n", output.output, mesh.face_count(), mesh.points.len());
     print_beside([&output.output], &text)

@@ -38,7 +38,7 @@ pub struct Arguments {
     machine: Machine,
     /// Write the printed figures, and more, as JSON; -: to standard output
     #[arg(long, value_name = "FILE.json")]
-    report: Option<Output>,
+    pub report: Option<Output>,
     /// Print warnings and errors only
     #[arg(short, long)]
     quiet: bool,

@@ -64,7 +64,7 @@ pub struct Arguments {
     html: Option<PathBuf>,
     /// Write the printed figures, and more, as JSON (-: standard output)
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]
-    report: Option<Output>,
+    pub report: Option<Output>,
     /// Print warnings and errors only
     #[arg(short, long, help_heading = "Output")]
     quiet: bool,
@@ -78,8 +78,7 @@ Examples:
     quadmosaic mesh car.stl --size 0.02 --guide 1,0,0.5,1,0,0 --report car.json -o quads.obj";
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    arguments.expect_writable()?;
-    mesh(arguments).unwrap_or_else(|error| {
+    arguments.expect_writable().and_then(|()| mesh(arguments)).unwrap_or_else(|error| {
         arguments.report_failure(&error);
         Err(error)
     })
@@ -156,7 +155,11 @@ impl Arguments {
     /// Writes a report on a run that made no mesh. One that `--strict` refuses has a report of its own, and wrong usage is no run.
     fn report_failure(&self, error: &anyhow::Error) {
         let is_told = error.is::<Unsound>() || error.is::<clap::Error>();
-        if let Some(path) = self.report.as_ref().filter(|_| !is_told) {
+        let is_free = |report: &&Output| {
+            report.path().is_none_or(|path| expect_writable(path, &self.other_paths()).is_ok())
+                && *report != &self.output.output
+        };
+        if let Some(path) = self.report.as_ref().filter(|_| !is_told).filter(is_free) {
             let failure = FailureReport::new(&self.source.to_string(), self.given(), sentence(error));
             warn(write_json(path, &failure).err().map(|error| sentence(&error)));
         }
@@ -180,14 +183,16 @@ impl Arguments {
             let message = "the mesh and the report cannot both go to standard output; name a file for one of them";
             return Err(conflict(message.to_owned()));
         }
-        let mut taken: Vec<&Path> = self.source.path().into_iter().collect();
-        let report = self.report.as_ref().and_then(Output::path);
+        let mut paths = self.other_paths();
+        paths.extend(self.report.as_ref().and_then(Output::path));
+        let given = usize::from(self.source.path().is_some());
+        (given..paths.len()).try_for_each(|k| expect_writable(paths[k], &paths[..k]))
+    }
+
+    /// The file that is read, where it is one, and those that are written, but for the report.
+    fn other_paths(&self) -> Vec<&Path> {
         let drawn = [&self.picture, &self.html].into_iter().filter_map(Option::as_deref);
-        for path in self.output.path().into_iter().chain(drawn).chain(report) {
-            expect_writable(path, &taken)?;
-            taken.push(path);
-        }
-        Ok(())
+        self.source.path().into_iter().chain(self.output.path()).chain(drawn).collect()
     }
 
     /// The options that result, as reports have them.

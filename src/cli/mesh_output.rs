@@ -66,8 +66,14 @@ impl MeshOutput {
 /// # Errors
 /// Wrong usage, where it tells none.
 pub fn format_of(path: &Path) -> anyhow::Result<Format> {
-    Format::from_extension(path)
-        .map_err(|error| usage(&format!("{}: {error}; name a format by the extension or by --to", path.display())))
+    let shown = path.display();
+    Format::from_extension(path).map_err(|error| match path.extension() {
+        Some(_) => usage(&format!("{shown}: {error}; name a format by the extension or by --to")),
+        None => usage(&format!(
+            "{shown}: there is no extension that tells the format; name it, as by --to obj (or {})",
+            Format::list().replacen("obj, ", "", 1)
+        )),
+    })
 }
 
 fn usage(message: &str) -> anyhow::Error {

@@ -6,6 +6,7 @@ mod check;
 mod completions;
 mod config;
 mod devices;
+mod earlier;
 mod example;
 mod features;
 mod field;
@@ -35,6 +36,7 @@ use config::Request;
 use mesh::Unsound;
 use signals::{Stopped, end_by_signals};
 use std::ffi::OsString;
+use std::path::Path;
 
 /// Turns a triangle surface into a quad-dominant mesh whose rows follow its features and your guides.
 #[derive(Parser)]
@@ -75,7 +77,13 @@ const UNSOUND: u8 = 3;
 /// Does what the arguments ask for, the program's name first, and returns the exit code.
 pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
-    let done = config::parse(&arguments).and_then(|request| match request {
+    let parsed = config::parse(&arguments);
+    let is_wrong =
+        parsed.as_ref().is_err_and(|error| error.downcast_ref::<clap::Error>().is_none_or(clap::Error::use_stderr));
+    if is_wrong {
+        earlier::discard_named(&arguments);
+    }
+    let done = parsed.and_then(|request| match request {
         Request::Run(arguments) => run(arguments),
         Request::Print(text) => output::print(&text),
     });
@@ -111,7 +119,22 @@ fn sentence(error: &anyhow::Error) -> String {
     })
 }
 
+impl Command {
+    /// Where its report goes.
+    fn report(&self) -> Option<&Path> {
+        let report = match self {
+            Self::Mesh(arguments) => &arguments.report,
+            Self::Field(arguments) => &arguments.report,
+            Self::Mosaic(arguments) => &arguments.report,
+            Self::Check(arguments) => &arguments.report,
+            _ => return None,
+        };
+        report.as_ref()?.path()
+    }
+}
+
 fn run(arguments: Arguments) -> anyhow::Result<()> {
+    arguments.command.report().into_iter().for_each(earlier::discard);
     // The server ends its runs itself.
     if !matches!(arguments.command, Command::Serve(_)) {
         end_by_signals().context("signals cannot be listened for")?;

@@ -2,6 +2,7 @@
 
 use crate::compute::Tile;
 use crate::field::Field;
+use crate::geometry::scattered;
 use crate::surface::Surface;
 
 /// As many free tiles at the scale `h` as the surface takes, at scattered points; the same ones every time.
@@ -21,7 +22,7 @@ pub fn seed(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
             passed += areas[triangle];
             triangle += 1;
         }
-        let (mut u, mut v) = (scattered(2 * i), scattered(2 * i + 1));
+        let [mut u, mut v] = [2 * i, 2 * i + 1].map(|number| 0.01 + 0.98 * scattered(number));
         if u + v > 1.0 {
             (u, v) = (1.0 - u, 1.0 - v);
         }
@@ -29,13 +30,4 @@ pub fn seed(surface: &Surface, field: &Field, h: f32) -> Vec<Tile> {
         tiles.push(Tile::free(surface, field, triangle as u32, a + (b - a) * u + (c - a) * v, h));
     }
     tiles
-}
-
-/// A number in 0.01..0.99 that looks random in `number` (SplitMix64's finalizer).
-fn scattered(number: u64) -> f32 {
-    let mut x = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^= x >> 31;
-    0.01 + 0.98 * ((x >> 40) as f32 / (1u64 << 24) as f32)
 }

@@ -50,7 +50,7 @@ pub enum ValueError {
     #[error("the distance is a number from 1 to 10, in tile sides")]
     Distance,
     /// No memory.
-    #[error("write a number of bytes, or one with K, M, G or T, as 2G")]
+    #[error("write a number of bytes, or one with K, M, G or T, as 2G or 2GB")]
     Memory,
     /// No time.
     #[error("the time is a number above 0, at most {LONGEST}, in seconds")]
@@ -275,15 +275,21 @@ pub fn points(text: &str) -> Result<usize, ValueError> {
     text.parse().ok().filter(|count| POINTS.contains(count)).ok_or(ValueError::Points)
 }
 
-/// A number of bytes, perhaps with a unit, a power of 1024: `2G`.
+/// The units of memory, powers of 1024.
+const UNITS: [char; 4] = ['K', 'M', 'G', 'T'];
+
+/// A number of bytes, perhaps with a unit: `1e9`, `2G`, `2GB`, `2GiB`.
 ///
 /// # Errors
 /// Where the text is none.
 pub fn memory(text: &str) -> Result<u64, ValueError> {
-    let unit = text.chars().last().and_then(|last| "KMGT".find(last.to_ascii_uppercase()));
-    let digits = if unit.is_some() { &text[..text.len() - 1] } else { text };
-    let is_plain = digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
-    let number = digits.parse::<f64>().ok().filter(|number| is_plain && *number > 0.0);
+    let text = text.to_ascii_uppercase();
+    let text = text.strip_suffix('B').unwrap_or(&text);
+    let text = text.strip_suffix('I').filter(|rest| rest.ends_with(UNITS)).unwrap_or(text);
+    let unit = UNITS.iter().position(|&unit| text.ends_with(unit));
+    let digits = text.strip_suffix(UNITS).unwrap_or(text).trim_end();
+    let is_plain = digits.bytes().all(|byte| byte.is_ascii_digit() || b".E+".contains(&byte));
+    let number = digits.parse::<f64>().ok().filter(|number| is_plain && *number > 0.0 && number.is_finite());
     let bytes = number.ok_or(ValueError::Memory)? * 1024f64.powi(unit.map_or(0, |power| power as i32 + 1));
     Ok(bytes as u64)
 }
@@ -396,12 +402,28 @@ mod tests {
             for refused in ["", "-1", "1e9"] {
                 let said = set(name, refused).err().map(|error| error.to_string()).unwrap_or_default();
                 let lengths = ["size", "min_size", "max_size", "keep_boundary", "weld", "drop_parts", "fill_holes"];
-                let is_length = refused == "1e9" && lengths.contains(&name);
+                let is_value = refused == "1e9" && (name == "max_memory" || lengths.contains(&name));
                 assert!(
-                    is_length || said.starts_with(&format!("invalid value '{refused}' for {name}: ")),
+                    is_value || said.starts_with(&format!("invalid value '{refused}' for {name}: ")),
                     "{name}: {said}"
                 );
             }
+        }
+        for (text, bytes) in [
+            ("500", 500),
+            ("1e9", 1_000_000_000),
+            ("2G", 2 << 30),
+            ("2g", 2 << 30),
+            ("2GB", 2 << 30),
+            ("2GiB", 2 << 30),
+            ("1.5 kB", 1536),
+            ("3T", 3 << 40),
+            ("7B", 7),
+        ] {
+            assert_eq!(memory(text), Ok(bytes), "{text}");
+        }
+        for refused in ["G", "2X", "2GG", "2iB", "2BB", "e9", "1e999", "inf", "nan", "-1G", "0", "2G2"] {
+            assert_eq!(memory(refused), Err(ValueError::Memory), "{refused}");
         }
         let said = set("point", "5").expect_err("there is none").to_string();
         assert!(said.starts_with("there is no option point; the options are preset, layout, points,"), "{said}");

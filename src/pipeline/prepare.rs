@@ -72,7 +72,7 @@ pub(super) fn prepared<'a>(
     let is_cancelled = || progress.is_cancelled();
     let small = options.sizes.small_sides(&surface, f64::from(side), features.crease, &is_cancelled);
     progress.check()?;
-    let surface = surface.with_contacts(f64::from(side));
+    let surface = surface.with_contacts_watched(f64::from(side), progress);
     progress.check()?;
     let mut surface = surface.fitted_to(features, side, small.at_vertices.as_deref(), progress);
     progress.check()?;

@@ -9,7 +9,7 @@
 
 use super::boxes::Bounds;
 use super::{Frame, NONE, Repairs, SurfaceError, next, previous};
-use crate::progress::Progress;
+use crate::progress::{ASKED_EVERY, Cancelled, Progress};
 use glam::Vec3;
 use rayon::prelude::*;
 use rstar::RTree;
@@ -35,16 +35,16 @@ pub(super) fn orient(
     repairs: &mut Repairs,
     progress: &Progress,
 ) -> Result<Adjacency, SurfaceError> {
-    let Pairs { mut pairs, mut joints, inside_walls } = pair(points, triangles, frame, repairs);
+    let Pairs { mut pairs, mut joints, inside_walls } = pair(points, triangles, frame, repairs, progress)?;
     progress.check()?;
-    let mut turned = turn_alike(points, triangles, &mut pairs, &mut joints, frame)?;
+    let mut turned = turn_alike(points, triangles, &mut pairs, &mut joints, frame, progress)?;
     if !joints.is_empty() {
         for joint in &joints {
             for (&h, partner) in joint.iter().zip(Joint::new(points, triangles, joint).pair()) {
                 pairs[h as usize] = partner.map_or(NONE, |k| joint[k]);
             }
         }
-        let again = turn_alike(points, triangles, &mut pairs, &mut joints, frame)?;
+        let again = turn_alike(points, triangles, &mut pairs, &mut joints, frame, progress)?;
         turned.iter_mut().zip(again).for_each(|(turned, again)| *turned ^= again);
     }
     for (triangle, _) in triangles.iter().zip(&turned).filter(|&(_, &turned)| turned) {
@@ -74,7 +74,13 @@ struct Pairs {
     inside_walls: Vec<u32>,
 }
 
-fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame, repairs: &mut Repairs) -> Pairs {
+fn pair(
+    points: &[Vec3],
+    triangles: &[[u32; 3]],
+    frame: &Frame,
+    repairs: &mut Repairs,
+    progress: &Progress,
+) -> Result<Pairs, Cancelled> {
     let mut edges: Vec<(u64, u32)> = (0..3 * triangles.len() as u32)
         .into_par_iter()
         .map(|h| {
@@ -82,10 +88,14 @@ fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame, repairs: &mut Re
             (edge_key(t[h as usize % 3], t[next(h) as usize % 3]), h)
         })
         .collect();
+    progress.check()?;
     edges.par_sort_unstable();
     let mut pairs = vec![NONE; edges.len()];
     let (mut joints, mut in_walls, mut on_seams) = (Vec::new(), Vec::new(), Vec::new());
-    for run in edges.chunk_by(|a, b| a.0 == b.0) {
+    for (k, run) in edges.chunk_by(|a, b| a.0 == b.0).enumerate() {
+        if k.is_multiple_of(ASKED_EVERY) {
+            progress.check()?;
+        }
         match *run {
             [_] => {}
             [(_, g), (_, h)] => {
@@ -112,7 +122,7 @@ fn pair(points: &[Vec3], triangles: &[[u32; 3]], frame: &Frame, repairs: &mut Re
     on_seams.sort_unstable();
     in_walls.retain(|v| on_seams.binary_search(v).is_err());
     in_walls.sort_unstable();
-    Pairs { pairs, joints, inside_walls: in_walls }
+    Ok(Pairs { pairs, joints, inside_walls: in_walls })
 }
 
 /// An edge where more than two triangles meet.
@@ -233,7 +243,13 @@ fn look_inward(solids: &[Solid]) -> Vec<bool> {
 
 /// The triangles that must be reversed: those of a component look the same way, and outward where it is closed. One inside another
 /// is turned with that one alone, as it may bound a cavity.
-fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -> Result<Vec<bool>, SurfaceError> {
+fn turn(
+    points: &[Vec3],
+    triangles: &[[u32; 3]],
+    pairs: &[u32],
+    frame: &Frame,
+    progress: &Progress,
+) -> Result<Vec<bool>, SurfaceError> {
     let mut turned = vec![false; triangles.len()];
     let mut seen = vec![false; triangles.len()];
     let mut solids = Vec::new();
@@ -247,6 +263,9 @@ fn turn(points: &[Vec3], triangles: &[[u32; 3]], pairs: &[u32], frame: &Frame) -
         let mut queue = VecDeque::from([first]);
         let mut open = Vec::new();
         while let Some(t) = queue.pop_front() {
+            if t.is_multiple_of(ASKED_EVERY) {
+                progress.check()?;
+            }
             for h in [0, 1, 2].map(|k| 3 * t as u32 + k) {
                 let pair = pairs[h as usize];
                 if pair == NONE {
@@ -303,8 +322,9 @@ fn turn_alike(
     pairs: &mut Vec<u32>,
     joints: &mut [Vec<u32>],
     frame: &Frame,
+    progress: &Progress,
 ) -> Result<Vec<bool>, SurfaceError> {
-    let turned = turn(points, triangles, pairs, frame)?;
+    let turned = turn(points, triangles, pairs, frame, progress)?;
     *pairs = turn_over(triangles, pairs, &turned);
     joints.iter_mut().flatten().for_each(|h| *h = renumbered(*h, &turned));
     Ok(turned)

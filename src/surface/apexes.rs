@@ -7,6 +7,7 @@
 
 use super::Surface;
 use super::walk::next_corner;
+use crate::progress::{IsCancelled, until_cancelled};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -19,9 +20,12 @@ const RADIUS: f64 = 0.25;
 const LEAST_DEFECT: f64 = 3.0;
 
 /// The apexes of a surface for tiles of a side, unit-sized, in order. Vertices on features are none.
-pub(super) fn apexes(surface: &Surface, side: f64) -> Vec<u32> {
+pub(super) fn apexes(surface: &Surface, side: f64, is_cancelled: &IsCancelled) -> Vec<u32> {
     let is_on_feature = on_features(surface);
-    let defects = defects(surface);
+    let defects = defects(surface, is_cancelled);
+    if is_cancelled() {
+        return Vec::new();
+    }
     let corner_of = first_corners(surface);
     let radius = RADIUS * side;
     let is_apex = |&v: &u32| {
@@ -48,9 +52,9 @@ fn on_features(surface: &Surface) -> Vec<bool> {
 }
 
 /// A full turn less the angles at each vertex.
-fn defects(surface: &Surface) -> Vec<f64> {
+fn defects(surface: &Surface, is_cancelled: &IsCancelled) -> Vec<f64> {
     let mut defects = vec![TAU; surface.vertex_count()];
-    for (t, triangle) in surface.triangles.iter().enumerate() {
+    for (t, triangle) in until_cancelled(surface.triangles.iter().enumerate(), is_cancelled) {
         let corners = surface.corners(t).map(|p| p.as_dvec3());
         for k in 0..3 {
             let [a, b] = [1, 2].map(|j| corners[(k + j) % 3] - corners[k]);
@@ -117,7 +121,7 @@ mod tests {
     }
 
     fn found(surface: &Surface, side: f64) -> Vec<[f64; 3]> {
-        let apexes = apexes(surface, side / surface.frame().diagonal);
+        let apexes = apexes(surface, side / surface.frame().diagonal, &|| false);
         apexes.into_iter().map(|v| surface.frame().to_model(surface.point(v))).collect()
     }
 

@@ -4,6 +4,7 @@
 //! Lauterbach et al., "Fast BVH construction on GPUs", 2009: triangles in the order of a space-filling curve are the leaves of a
 //! tree. Here it is a complete binary one, so that no pointers are kept.
 
+use crate::progress::{ASKED_EVERY, IsCancelled};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -116,8 +117,13 @@ impl Boxes {
     }
 
     /// What `test` finds for the pairs of triangles whose boxes are no farther apart than `margin`, sorted; each pair is tested
-    /// once.
-    pub fn pairs<T: Send + Ord>(&self, margin: f32, test: impl Fn(u32, u32) -> Option<T> + Sync) -> Vec<T> {
+    /// once. Cancelled, it finds some of them.
+    pub fn pairs<T: Send + Ord>(
+        &self,
+        margin: f32,
+        test: impl Fn(u32, u32) -> Option<T> + Sync,
+        is_cancelled: &IsCancelled,
+    ) -> Vec<T> {
         let from = |place: usize| {
             let (mut of_pairs, t) = (Vec::new(), self.order[place]);
             self.search(&self.boxes[place].grown(margin), place + 1, |other| {
@@ -125,7 +131,13 @@ impl Boxes {
             });
             of_pairs
         };
-        let mut found: Vec<T> = (0..self.order.len()).into_par_iter().flat_map_iter(from).collect();
+        let count = self.order.len();
+        let in_part = |part: usize| {
+            let start = part * ASKED_EVERY;
+            let end = if is_cancelled() { start } else { count.min(start + ASKED_EVERY) };
+            (start..end).flat_map(&from)
+        };
+        let mut found: Vec<T> = (0..count.div_ceil(ASKED_EVERY)).into_par_iter().flat_map_iter(in_part).collect();
         found.par_sort_unstable();
         found
     }
@@ -153,6 +165,7 @@ fn curve_key(point: Vec3) -> u64 {
 mod tests {
     use super::*;
     use crate::surface::examples::Example;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     #[test]
     fn the_tree_finds_the_pairs_that_a_search_of_all_finds() {
@@ -162,12 +175,30 @@ mod tests {
         let boxes = Boxes::new(points, triangles);
         let bounds: Vec<Bounds> = triangles.iter().map(|t| Bounds::of(&t.map(|v| points[v as usize]))).collect();
         for margin in [0.0, 0.01] {
-            let found = boxes.pairs(margin, |s, t| Some([s.min(t), s.max(t)]));
+            let found = boxes.pairs(margin, |s, t| Some([s.min(t), s.max(t)]), &|| false);
             let all = (0..triangles.len()).flat_map(|s| (s + 1..triangles.len()).map(move |t| [s, t]));
             let near = all.filter(|&[s, t]| bounds[s].grown(margin).meets(&bounds[t]));
             let wanted: Vec<[u32; 2]> = near.map(|pair| pair.map(|t| t as u32)).collect();
             assert_eq!(found, wanted, "margin {margin}");
             assert!(found.len() > 6 * triangles.len() / 2, "neighbours touch");
         }
+    }
+
+    #[test]
+    fn the_search_asks_often_whether_it_is_cancelled() {
+        let soup = "sphere".parse::<Example>().expect("an example").generate(20_000);
+        let triangles = &soup.triangles;
+        let points: Vec<Vec3> = soup.points.iter().map(|p| glam::DVec3::from(*p).as_vec3() / 4.0).collect();
+        let boxes = Boxes::new(&points, triangles);
+        let asked = AtomicUsize::new(0);
+        let found = |last: usize| {
+            asked.store(0, Ordering::Relaxed);
+            let is_cancelled = || asked.fetch_add(1, Ordering::Relaxed) >= last;
+            boxes.pairs(0.0, |s, t| Some([s, t]), &is_cancelled).len()
+        };
+        let all = found(usize::MAX);
+        assert_eq!(asked.load(Ordering::Relaxed), triangles.len().div_ceil(ASKED_EVERY));
+        let some = found(4);
+        assert!(0 < some && some < all / 2 && found(0) == 0, "{some} of {all}");
     }
 }

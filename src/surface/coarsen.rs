@@ -126,6 +126,9 @@ impl Surface {
             return self;
         }
         let mut coarsening = Coarsening::new(self, TOLERANCE * side);
+        if progress.is_cancelled() {
+            return coarsening.surface;
+        }
         coarsening.collapse_all(LONGEST * side, progress);
         coarsening.flip_all(progress);
         coarsening.finish(options)

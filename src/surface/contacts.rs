@@ -13,6 +13,7 @@ use super::boxes::{Bounds, Boxes};
 use super::nearest::{Simplices, nearest_on_segment, squared_distance};
 use super::repairs::TOUCH;
 use super::{Places, Surface, next};
+use crate::progress::IsCancelled;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -57,7 +58,7 @@ pub struct NearRims {
 }
 
 /// Looks for contacts; `side` is that of a tile, unit-sized.
-pub(super) fn contacts(surface: &Surface, side: f64) -> Contacts {
+pub(super) fn contacts(surface: &Surface, side: f64, is_cancelled: &IsCancelled) -> Contacts {
     let boxes = Boxes::new(&surface.points, &surface.triangles);
     let rims = Rims::new(surface);
     let test = |s: u32, t: u32| {
@@ -71,7 +72,11 @@ pub(super) fn contacts(surface: &Surface, side: f64) -> Contacts {
         }
         pair(corners, others).map(|kind| (kind, s.min(t)))
     };
-    let (pairs, stretches) = rayon::join(|| boxes.pairs(TOUCH as f32, test), || rims.stretches(surface, side));
+    let (pairs, stretches) =
+        rayon::join(|| boxes.pairs(TOUCH as f32, test, is_cancelled), || rims.stretches(surface, side));
+    if is_cancelled() {
+        return Contacts::default();
+    }
     let touching = rims.touching(surface, &boxes, &stretches);
     let mut contacts = Contacts { near_rims: near_rims(surface, side, &stretches), ..Contacts::default() };
     let place = |p: Vec3| surface.frame.near(p.as_dvec3().into());

@@ -20,7 +20,7 @@
 //! times: docs/experiments.md, surface.
 
 use super::{NONE, Surface, next_corner, previous_corner};
-use crate::progress::IsCancelled;
+use crate::progress::{IsCancelled, until_cancelled};
 use glam::{DMat3, DVec3, Mat3, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -60,15 +60,15 @@ pub(crate) fn curvatures(surface: &Surface, radius: f64) -> Vec<Curvature> {
     curvatures_above(surface, radius, 0.0, &|| false)
 }
 
-/// As [`curvatures`], but where the surface is sure to bend less than `least` the values are zero.
+/// As [`curvatures`], but where the surface is sure to bend less than `least` the values are zero; cancelled, they are of no use.
 pub(crate) fn curvatures_above(
     surface: &Surface,
     radius: f64,
     least: f64,
     is_cancelled: &IsCancelled,
 ) -> Vec<Curvature> {
-    let measure = Measure::new(surface, radius);
-    let seeds = measure.seeds(&measure.settled(least));
+    let measure = Measure::new(surface, radius, is_cancelled);
+    let seeds = measure.seeds(&measure.settled(least, is_cancelled), is_cancelled);
     let measured: Vec<Vec<Bend>> = seeds
         .par_chunks(seeds.len().div_ceil(64).max(1))
         .map(|seeds| {
@@ -129,11 +129,11 @@ struct Measure<'a> {
 }
 
 impl<'a> Measure<'a> {
-    fn new(surface: &'a Surface, radius: f64) -> Self {
+    fn new(surface: &'a Surface, radius: f64, is_cancelled: &IsCancelled) -> Self {
         let mut corners = vec![NONE; surface.vertex_count()];
         let mut shortest = vec![f64::INFINITY; surface.vertex_count()];
         let mut on_feature = vec![false; surface.vertex_count()];
-        for h in 0..3 * surface.triangle_count() as u32 {
+        for h in until_cancelled(0..3 * surface.triangle_count() as u32, is_cancelled) {
             let length = surface.length(h);
             corners[surface.origin(h) as usize] = h;
             for v in [surface.origin(h), surface.target(h)].map(|v| v as usize) {
@@ -148,8 +148,11 @@ impl<'a> Measure<'a> {
         };
         let doubled: Vec<DVec3> = triangles().map(|t| sides(t)[0].cross(sides(t)[1])).collect();
         let normals: Vec<DVec3> = doubled.iter().map(|n| n.normalize_or_zero()).collect();
-        let turns: Vec<f32> =
-            triangles().flat_map_iter(|t| (3 * t..3 * t + 3).map(|h| turn(surface, &normals, h as u32))).collect();
+        let turns_of = |t: usize| (3 * t..3 * t + 3).map(|h| turn(surface, &normals, h as u32));
+        let turns: Vec<f32> = match is_cancelled() {
+            true => vec![0.0; 3 * surface.triangle_count()],
+            false => triangles().flat_map_iter(turns_of).collect(),
+        };
         let tensors = triangles().map(|t| {
             let sides = sides(t);
             (0..3).map(|k| half_tensor(sides[k], turns[3 * t + k])).sum::<DMat3>().as_mat3()
@@ -162,9 +165,9 @@ impl<'a> Measure<'a> {
 
     /// The vertices whose curvature is certainly below `least`: not even all turns in the cells around a disc, whatever
     /// their directions, would make as much in the disc's area, or beside features in a quarter of it.
-    fn settled(&self, least: f64) -> Vec<bool> {
+    fn settled(&self, least: f64, is_cancelled: &IsCancelled) -> Vec<bool> {
         let surface = self.surface;
-        if least <= 0.0 {
+        if least <= 0.0 || is_cancelled() {
             return vec![false; surface.vertex_count()];
         }
         let longest = (0..3 * surface.triangle_count() as u32).into_par_iter().map(|h| surface.length(h));
@@ -172,7 +175,7 @@ impl<'a> Measure<'a> {
         let cell_of = |p: Vec3| (p.as_dvec3() / (reach / CELLS as f64)).floor().as_i64vec3().to_array();
         // Of each cell: the sum of turns times lengths, and whether a feature passes.
         let mut sums: FxHashMap<[i64; 3], (f64, bool)> = FxHashMap::default();
-        for t in 0..surface.triangle_count() {
+        for t in until_cancelled(0..surface.triangle_count(), is_cancelled) {
             let (sum, feature) = sums.entry(cell_of(surface.corners(t)[0])).or_default();
             for h in 3 * t as u32..3 * t as u32 + 3 {
                 *sum += f64::from(self.turns[h as usize]).abs() * surface.length(h) / 2.0;
@@ -180,6 +183,9 @@ impl<'a> Measure<'a> {
             }
         }
         let about = |[x, y, z]: [i64; 3]| {
+            if is_cancelled() {
+                return 0.0;
+            }
             let span = -CELLS..=CELLS;
             let cells = span.clone().flat_map(|i| span.clone().flat_map(move |j| span_of([x + i, y + j, z])));
             let found = cells.filter_map(|cell| sums.get(&cell));
@@ -194,11 +200,11 @@ impl<'a> Measure<'a> {
     }
 
     /// Vertices such that every other that is not `settled` has one of its kind, on features or off them, within the spacing.
-    fn seeds(&self, settled: &[bool]) -> Vec<u32> {
+    fn seeds(&self, settled: &[bool], is_cancelled: &IsCancelled) -> Vec<u32> {
         let mut covered = settled.to_vec();
         let mut flood = Flood::new(self.surface);
         let mut seeds = Vec::new();
-        for seed in 0..covered.len() as u32 {
+        for seed in until_cancelled(0..settled.len() as u32, is_cancelled) {
             if !covered[seed as usize] {
                 let radius = SPACING * self.radii[seed as usize];
                 flood.run(self, seed, radius, radius, |_, _| {});

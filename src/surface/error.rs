@@ -115,8 +115,13 @@ fn upper_limit(most: f64) -> String {
     if most < f64::MAX { format!(" and of at most {most} of it") } else { String::new() }
 }
 
-/// A place in messages: seven significant digits are enough to find it.
+/// A place in messages: so many digits are enough to find it.
 pub fn shown(place: &[f64; 3]) -> String {
-    let [x, y, z] = place.map(|x| format!("{x:.6e}").parse().unwrap_or(x) + 0.0);
+    let [x, y, z] = place.map(short);
     format!("({x}, {y}, {z})")
+}
+
+/// A coordinate in messages, with seven significant digits and no -0.
+pub(crate) fn short(x: f64) -> f64 {
+    format!("{x:.6e}").parse().unwrap_or(x) + 0.0
 }

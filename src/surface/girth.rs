@@ -10,7 +10,7 @@ use super::turning::WithoutBarriers;
 use super::walk::{WALK_EDGES, walk_through};
 use super::{Surface, SurfacePoint};
 use crate::geometry::{cross, unit};
-use crate::progress::{ASKED_EVERY, IsCancelled};
+use crate::progress::{ASKED_EVERY, IsCancelled, until_cancelled};
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -90,11 +90,9 @@ fn spread(surface: &Surface, cell: f32, most: f32, is_cancelled: &IsCancelled) -
         let n = surface.normal(t as usize);
         seen.insert((at(middles[t as usize], cell), [n.x > 0.0, n.y > 0.0, n.z > 0.0]))
     };
-    if is_cancelled() {
-        return Vec::new();
-    }
-    let spread: Vec<u32> = (0..surface.triangle_count() as u32).filter(is_first).collect();
-    spread.into_iter().filter(|&t| has_opposite(t)).collect()
+    let all = until_cancelled(0..surface.triangle_count() as u32, is_cancelled);
+    let spread: Vec<u32> = all.filter(is_first).collect();
+    until_cancelled(spread.into_iter(), is_cancelled).filter(|&t| has_opposite(t)).collect()
 }
 
 /// The 26 directions of a cube's faces, edges and corners.

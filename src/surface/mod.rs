@@ -56,6 +56,7 @@ pub use curve::Curve;
 pub(crate) use curve::shared_curves;
 pub use denoise::Denoised;
 pub use edge_file::{EdgeFileError, Ends, NamedEdge, read_edges};
+pub(crate) use error::short;
 pub use error::{SurfaceError, shown};
 pub use features::{DroppedEdge, FeatureOptions, Features, Reason};
 pub(crate) use fine::Projected;
@@ -63,7 +64,7 @@ pub use regions::Regions;
 pub use repairs::{Length, LengthError, Places, RepairOptions, Repairs};
 pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
 
-use crate::geometry::{cross, dot, unit};
+use crate::geometry::{cross, dot, scattered, unit};
 use crate::progress::{Progress, unwatched};
 use crate::sets::Sets;
 use adjacency::Adjacency;
@@ -93,6 +94,14 @@ impl Soup {
     /// Triangles of one region: points in model units, and three indices into them a triangle, counted from 0.
     pub fn new(points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         Self { points, triangles, ..Self::default() }
+    }
+
+    /// The same triangles with noise, as those of a scan have: each coordinate moves by up to `size`, by the same way each time.
+    pub fn with_noise(mut self, size: f64) -> Self {
+        for (number, x) in (0..).zip(self.points.as_flattened_mut()) {
+            *x += size * f64::from(2.0 * scattered(number) - 1.0);
+        }
+        self
     }
 
     /// The area of the triangles whose corners are there, in model units squared.
@@ -250,8 +259,13 @@ impl Surface {
     }
 
     /// The same surface after a search for contacts; `side` is that of a tile, unit-sized.
-    pub fn with_contacts(mut self, side: f64) -> Self {
-        self.contacts = contacts::contacts(&self, side);
+    pub fn with_contacts(self, side: f64) -> Self {
+        self.with_contacts_watched(side, &Progress::new(&unwatched))
+    }
+
+    /// As [`Surface::with_contacts`]; cancelled, it finds none.
+    pub(crate) fn with_contacts_watched(mut self, side: f64, progress: &Progress) -> Self {
+        self.contacts = contacts::contacts(&self, side, &|| progress.is_cancelled());
         self
     }
 
@@ -316,7 +330,7 @@ impl Surface {
             return self;
         }
         self.given.follow(&before, &self.points, &self.frame);
-        self.features.apexes = apexes::apexes(&self, f64::from(h));
+        self.features.apexes = apexes::apexes(&self, f64::from(h), &|| progress.is_cancelled());
         if progress.is_cancelled() {
             return self;
         }

@@ -138,7 +138,7 @@ impl<'a> Bending<'a> {
     fn new(surface: &'a Surface, h: f64, least: f64, is_cancelled: &IsCancelled) -> Self {
         let bends = curvatures_above(surface, radius_of_tile(h), least / h, is_cancelled);
         let turns: Vec<f64> = bends.iter().map(|bend| bend.values[0].abs() * h).collect();
-        let slopes = slopes(surface, &bends, &turns);
+        let slopes = if is_cancelled() { vec![0.0; turns.len()] } else { slopes(surface, &bends, &turns) };
         Self { surface, turns, across: bends.iter().map(|bend| bend.directions[0]).collect(), slopes }
     }
 

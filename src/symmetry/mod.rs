@@ -21,7 +21,7 @@ pub use cut::{Half, cut};
 pub use find::Asymmetry;
 pub use join::{Joined, join};
 
-use crate::surface::shown;
+use crate::surface::{short, shown};
 use glam::DVec3;
 use serde::Serialize;
 use std::fmt;
@@ -142,8 +142,7 @@ impl Plane {
 
 impl fmt::Display for Plane {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // No -0.
-        let offset = self.offset + 0.0;
+        let offset = short(self.offset);
         match self.axis {
             Axis::X => write!(f, "x = {offset}"),
             Axis::Y => write!(f, "y = {offset}"),
@@ -258,6 +257,15 @@ mod tests {
         for refused in ["", "w", "x:", "x:inf", "x:nan", "X", ":0", "x:0:0"] {
             assert_eq!(refused.parse::<Symmetry>(), Err(NoSymmetry), "{refused}");
         }
+    }
+
+    #[test]
+    fn planes_are_told_with_few_digits() {
+        let told = |axis, offset: f64| Plane { axis, offset }.to_string();
+        assert_eq!(told(Axis::X, 1.0 / 3.0), "x = 0.3333333");
+        assert_eq!(told(Axis::Y, 0.1 + 0.2), "y = 0.3");
+        assert_eq!(told(Axis::Z, -0.0), "z = 0");
+        assert_eq!(told(Axis::X, 1234.06251), "x = 1234.063");
     }
 
     #[test]
