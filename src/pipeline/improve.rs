@@ -9,11 +9,10 @@ use crate::compute::Backend;
 use crate::mesh::compare::Difference;
 use crate::parametrize::Rows;
 use crate::progress::{Progress, Stage};
-use crate::sizes::FEW;
 use std::iter::zip;
 
 /// The most times that a mesh is made again, for its faults or its count.
-const REPEATS: usize = 5;
+const REPEATS: usize = 8;
 /// A mesh that misses the wanted count by a larger share is made again.
 const COUNT_TOLERANCE: f64 = 0.02;
 /// For its count alone a mesh is made again so often where rows may end, and where they do not: they come whole.
@@ -23,8 +22,10 @@ const MOST_CORRECTIONS: [usize; 2] = [1, 2];
 const MANY: usize = 10;
 const MOST_FUTILE: usize = 2;
 const LARGE: usize = 3_000;
-/// The most times of the asked count, or of [`FEW`] where that is more, to which this raises it.
+/// The most times of the asked count to which this raises it, ...
 const MOST_RAISED: usize = 12;
+/// ... or to this count where that is more: thin walls need many vertices, however few are asked for.
+const ALWAYS_ALLOWED: usize = 24_000;
 
 /// Makes a mesh again that has faults, with smaller tiles there, or misses the count, with more tiles or fewer; `best` is the best one at
 /// any time, after an error too.
@@ -58,7 +59,7 @@ pub(super) fn improve(
         }
         let prepared = sizing.sized(surface, options, progress)?;
         let is_allowed = options.limits.expect_memory(best.surface.undivided().triangles, prepared.count).is_ok();
-        if prepared.count > MOST_RAISED * prepared.sizing.count.max(FEW) || !is_allowed {
+        if prepared.count > (MOST_RAISED * prepared.sizing.count).max(ALWAYS_ALLOWED) || !is_allowed {
             break;
         }
         let (corrected, next) = attempt(prepared, options, backend, clock)?;

@@ -24,7 +24,7 @@ const THIN_SHARE: f64 = 0.5;
 /// The distance from a place within which tiles are made smaller, in their sides.
 const REFINED: f64 = 1.5;
 /// Where no more tiles than this are asked for, smaller ones are added to them.
-pub(crate) const FEW: usize = 300;
+const FEW: usize = 300;
 /// The samples that the size of a place is a mean of.
 const NEAREST: usize = 8;
 /// Rounds of fitting the scale to the count; each leaves about a tenth of the error.
