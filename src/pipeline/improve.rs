@@ -17,8 +17,8 @@ const REPEATS: usize = 8;
 const COUNT_TOLERANCE: f64 = 0.02;
 /// For its count alone a mesh is made again so often where rows may end, and where they do not: they come whole.
 const MOST_CORRECTIONS: [usize; 2] = [1, 2];
-/// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where it still has more than two thirds of the faults,
-/// and more than so many, or is no better for so many times.
+/// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where faults are still more than two thirds as frequent,
+/// and more than so many, or it is no better for so many times.
 const MANY: usize = 10;
 const MOST_FUTILE: usize = 2;
 const LARGE: usize = 3_000;
@@ -66,6 +66,7 @@ pub(super) fn improve(
         let times = zip(&best.times, &next.times).map(|(spent, more)| (spent.0, spent.1 + more.1)).collect();
         let (before, after) = (best.meshed.wrong(), next.meshed.wrong());
         let is_large = next.meshed.mesh.points.len() > LARGE;
+        let is_frequent = 3.0 * next.meshed.share_wrong() > 2.0 * best.meshed.share_wrong();
         (sizing, places, miss) = (corrected, next.meshed.faulty_places(), next.miss(options));
         let rank = |wrong: usize, miss: f64| (wrong, miss.abs().max(COUNT_TOLERANCE));
         if rank(after, miss) < rank(before, best.miss(options)) {
@@ -74,7 +75,7 @@ pub(super) fn improve(
             (latest, futile) = (Some(next.surface), futile + 1);
         }
         best.times = times;
-        if is_large && (futile == MOST_FUTILE || after > MANY.max(2 * before / 3)) {
+        if is_large && (futile == MOST_FUTILE || after > MANY && is_frequent) {
             break;
         }
     }
@@ -95,6 +96,11 @@ impl Meshed {
     /// The number of faults and differences.
     fn wrong(&self) -> usize {
         self.faults.list.len() + self.differences.len()
+    }
+
+    /// The number of faults and differences for each face.
+    fn share_wrong(&self) -> f64 {
+        self.wrong() as f64 / self.mesh.face_count().max(1) as f64
     }
 
     /// Whether nearly all faces were faults before the edits: the surface is broken, so that smaller tiles would not help.
