@@ -9,22 +9,23 @@ use crate::compute::Backend;
 use crate::mesh::compare::Difference;
 use crate::parametrize::Rows;
 use crate::progress::{Progress, Stage};
-use crate::sizes::FEW;
 use std::iter::zip;
 
 /// The most times that a mesh is made again, for its faults or its count.
-const REPEATS: usize = 5;
+const REPEATS: usize = 8;
 /// A mesh that misses the wanted count by a larger share is made again.
 const COUNT_TOLERANCE: f64 = 0.02;
 /// For its count alone a mesh is made again so often where rows may end, and where they do not: they come whole.
 const MOST_CORRECTIONS: [usize; 2] = [1, 2];
-/// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where it still has more than two thirds of the faults,
-/// and more than so many, or is no better for so many times.
+/// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where faults are still more than two thirds as frequent,
+/// and more than so many, or it is no better for so many times.
 const MANY: usize = 10;
 const MOST_FUTILE: usize = 2;
 const LARGE: usize = 3_000;
-/// The most times of the asked count, or of [`FEW`] where that is more, to which this raises it.
+/// The most times of the asked count to which this raises it, ...
 const MOST_RAISED: usize = 12;
+/// ... or to this count where that is more: thin walls need many vertices, however few are asked for.
+const ALWAYS_ALLOWED: usize = 24_000;
 
 /// Makes a mesh again that has faults, with smaller tiles there, or misses the count, with more tiles or fewer; `best` is the best one at
 /// any time, after an error too.
@@ -58,13 +59,14 @@ pub(super) fn improve(
         }
         let prepared = sizing.sized(surface, options, progress)?;
         let is_allowed = options.limits.expect_memory(best.surface.undivided().triangles, prepared.count).is_ok();
-        if prepared.count > MOST_RAISED * prepared.sizing.count.max(FEW) || !is_allowed {
+        if prepared.count > (MOST_RAISED * prepared.sizing.count).max(ALWAYS_ALLOWED) || !is_allowed {
             break;
         }
         let (corrected, next) = attempt(prepared, options, backend, clock)?;
         let times = zip(&best.times, &next.times).map(|(spent, more)| (spent.0, spent.1 + more.1)).collect();
         let (before, after) = (best.meshed.wrong(), next.meshed.wrong());
         let is_large = next.meshed.mesh.points.len() > LARGE;
+        let is_frequent = 3.0 * next.meshed.share_wrong() > 2.0 * best.meshed.share_wrong();
         (sizing, places, miss) = (corrected, next.meshed.faulty_places(), next.miss(options));
         let rank = |wrong: usize, miss: f64| (wrong, miss.abs().max(COUNT_TOLERANCE));
         if rank(after, miss) < rank(before, best.miss(options)) {
@@ -73,7 +75,7 @@ pub(super) fn improve(
             (latest, futile) = (Some(next.surface), futile + 1);
         }
         best.times = times;
-        if is_large && (futile == MOST_FUTILE || after > MANY.max(2 * before / 3)) {
+        if is_large && (futile == MOST_FUTILE || after > MANY && is_frequent) {
             break;
         }
     }
@@ -94,6 +96,11 @@ impl Meshed {
     /// The number of faults and differences.
     fn wrong(&self) -> usize {
         self.faults.list.len() + self.differences.len()
+    }
+
+    /// The number of faults and differences for each face.
+    fn share_wrong(&self) -> f64 {
+        self.wrong() as f64 / self.mesh.face_count().max(1) as f64
     }
 
     /// Whether nearly all faces were faults before the edits: the surface is broken, so that smaller tiles would not help.

@@ -21,7 +21,7 @@ mod wanted;
 pub use file::{SizeFileError, SizeSample, parse_sizes, read_sizes, samples};
 pub use local::{LocalSize, NoLocalSize, Place};
 pub use wanted::SizeOptions;
-pub(crate) use wanted::{FEW, Wanted};
+pub(crate) use wanted::Wanted;
 
 use crate::geometry::barycentric;
 use crate::surface::{NONE, Surface};

@@ -26,7 +26,7 @@ const REFINED: f64 = 1.5;
 /// A round curve has the asked number of tiles where its sizes give no more than so many times as many.
 const MOST_INTERVALS: f64 = 1.2;
 /// Where no more tiles than this are asked for, smaller ones are added to them.
-pub(crate) const FEW: usize = 300;
+const FEW: usize = 300;
 /// The samples that the size of a place is a mean of.
 const NEAREST: usize = 8;
 /// Rounds of fitting the scale to the count; each leaves about a tenth of the error.

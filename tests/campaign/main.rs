@@ -2,7 +2,7 @@
 //!
 //! Each seed is a surface, a number of vertices and options. Environment variables:
 //!
-//! - `QUADMOSAIC_CAMPAIGN`: the number of seeds, from 0 on. Default 300.
+//! - `QUADMOSAIC_CAMPAIGN`: the number of seeds, from 0 on, or a range of them, as `1000..2000`. Default 300.
 //! - `QUADMOSAIC_CAMPAIGN_SEED`: this seed alone. Its surface is written to the folder of temporary files.
 //!
 //! The test fails where a seed fails, but for the failures that [`known`] lists. A listed seed that is right is told.
@@ -20,18 +20,18 @@ use known::KNOWN;
 use quadmosaic::surface::Soup;
 use quadmosaic::surface::examples::Example;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::Duration;
 use trial::{Trial, Verdict};
 
-fn number(variable: &str) -> Option<u64> {
-    std::env::var(variable).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{variable}={text} is no number")))
-}
-
-fn surfaces() -> u64 {
-    number("QUADMOSAIC_CAMPAIGN").unwrap_or(300)
+fn seeds() -> Range<u64> {
+    let Ok(text) = std::env::var("QUADMOSAIC_CAMPAIGN") else { return 0..300 };
+    let (first, end) = text.split_once("..").unwrap_or(("0", &text));
+    let parsed = |number: &str| number.parse().unwrap_or_else(|_| panic!("QUADMOSAIC_CAMPAIGN={text} is no range"));
+    parsed(first)..parsed(end)
 }
 
 /// One trial without its surface.
@@ -69,15 +69,15 @@ fn told(failures: &BTreeMap<String, usize>) -> String {
     failures.iter().map(|(name, count)| format!("{name} x{count}")).collect::<Vec<_>>().join(", ")
 }
 
-/// Judges the seeds below `count`, each on a thread of its own.
-fn campaign(count: u64) -> Vec<Line> {
-    let next = AtomicU64::new(0);
+/// Judges seeds, each on a thread of its own.
+fn campaign(seeds: Range<u64>) -> Vec<Line> {
+    let next = AtomicU64::new(seeds.start);
     let lines = Mutex::new(Vec::new());
     let work = || {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread starts");
         loop {
             let seed = next.fetch_add(1, Ordering::Relaxed);
-            if seed >= count {
+            if seed >= seeds.end {
                 break;
             }
             let line = pool.install(|| judged(&Trial::new(seed)));
@@ -143,7 +143,8 @@ fn against_known(lines: &[Line], known: &[(u64, &str)]) -> (Vec<String>, Vec<u64
 
 #[test]
 fn no_mesh_has_a_fault() {
-    if let Some(seed) = number("QUADMOSAIC_CAMPAIGN_SEED") {
+    if let Ok(seed) = std::env::var("QUADMOSAIC_CAMPAIGN_SEED") {
+        let seed = seed.parse().unwrap_or_else(|_| panic!("QUADMOSAIC_CAMPAIGN_SEED={seed} is no number"));
         let trial = Trial::new(seed);
         let file = std::env::temp_dir().join(format!("quadmosaic-campaign-{seed}.obj"));
         trial.write(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
@@ -152,7 +153,7 @@ fn no_mesh_has_a_fault() {
         assert!(failures.is_empty(), "seed {seed}: {}", told(&failures));
         return;
     }
-    let lines = campaign(surfaces());
+    let lines = campaign(seeds());
     summarise(&lines);
 
     let (new, right) = against_known(&lines, &KNOWN);
@@ -162,7 +163,7 @@ fn no_mesh_has_a_fault() {
 
 #[test]
 fn surfaces_are_clean() {
-    let unclean: Vec<String> = (0..surfaces())
+    let unclean: Vec<String> = seeds()
         .map(Trial::new)
         .filter_map(|trial| {
             let why = unclean(&trial.soup, trial.kind.joined)?;

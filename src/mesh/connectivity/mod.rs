@@ -263,6 +263,8 @@ struct Candidate {
 struct Evaluation {
     /// In perfect quads.
     gain: f64,
+    /// Whether it removes a fault.
+    has_fewer_faults: bool,
     /// The points of the vertices that relaxed.
     targets: Vec<(u32, glam::DVec3)>,
     /// The faces of the mesh that it changes, and those at their vertices.
@@ -336,7 +338,7 @@ impl<'a> Engine<'a> {
                     false => Some(evaluation),
                 };
                 let Some(evaluation) = evaluation.filter(|evaluation| self.holds(&edit, evaluation)) else { continue };
-                if excess.abs() > self.excess.abs().max(most_excess) && evaluation.gain < FAULT_GAIN {
+                if excess.abs() > self.excess.abs().max(most_excess) && !evaluation.has_fewer_faults {
                     continue;
                 }
                 changed.extend(edit.changed().map(|(face, _)| face).filter(|face| *face < NEW));
@@ -359,19 +361,20 @@ impl<'a> Engine<'a> {
         }
     }
 
-    /// The edit about a face that gains most, of the first operation that has one; none in a cancelled run.
+    /// The edit about a face that gains most, of the first operation that has one; none in a cancelled run. About a fault it must
+    /// [hold](Self::holds), or else operations that follow would not be tried.
     fn best(&self, operations: &[Operation], face: u32) -> Option<Candidate> {
         if self.context.is_cancelled() {
             return None;
         }
         let concerned = operations.iter().filter(|operation| (operation.concerns)(self, face));
         concerned.map(|operation| (operation.propose)(self, face)).find_map(|edits| {
-            edits
-                .into_iter()
-                .filter_map(|(kind, edit)| Some((self.evaluate(&edit)?, kind, edit)))
-                .filter(|(evaluation, ..)| evaluation.gain > LEAST_GAIN)
-                .reduce(|best, other| if other.0.gain > best.0.gain { other } else { best })
-                .map(|(evaluation, kind, edit)| Candidate { face, kind, change: edit.into_change(), evaluation })
+            let evaluated = edits.into_iter().filter_map(|(kind, edit)| Some((self.evaluate(&edit)?, kind, edit)));
+            let mut gaining: Vec<_> = evaluated.filter(|(evaluation, ..)| evaluation.gain > LEAST_GAIN).collect();
+            gaining.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
+            let mut gaining = gaining.into_iter();
+            let best = gaining.find(|(evaluation, _, edit)| !self.is_fault(face) || self.holds(edit, evaluation));
+            best.map(|(evaluation, kind, edit)| Candidate { face, kind, change: edit.into_change(), evaluation })
         })
     }
 
@@ -396,7 +399,8 @@ impl<'a> Engine<'a> {
         let gain = gain(before, after) + regularity_gain - self.chord_loss(edit);
         let old = |faces: Vec<u32>| faces.into_iter().filter(|face| *face < NEW).collect();
         let [neighbourhood, dependencies] = [relaxed.neighbourhood, relaxed.dependencies].map(old);
-        Some(Evaluation { gain, targets: relaxed.targets, neighbourhood, dependencies })
+        let has_fewer_faults = after.faults < before.faults;
+        Some(Evaluation { gain, has_fewer_faults, targets: relaxed.targets, neighbourhood, dependencies })
     }
 
     /// Whether an edit adds no fault once its vertices have walked to their places. On small triangles and beside features a

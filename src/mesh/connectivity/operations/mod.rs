@@ -1,5 +1,6 @@
 //! The operations: each proposes edits about the faces that it concerns.
 
+mod caps;
 mod paper;
 mod recut;
 mod rows;
@@ -27,11 +28,13 @@ pub(super) struct Operation {
 pub(super) const PAIR: Operation = Operation { concerns: is_triangle, propose: search::ways_out };
 /// Poor faces, and quads with irregular vertices, are recut or collapsed.
 pub(super) const RECUT: Operation = Operation { concerns: recut::is_candidate, propose: recut::recuts };
-/// Faults are recut, collapsed or split, by one edit, by the best cut of a few faces, or by two edits.
-pub(super) const UNTANGLE: [Operation; 3] = [
+/// Faults are recut, collapsed or split, by one edit, by the best cut of a few faces, by two edits, or by a cap of
+/// many.
+pub(super) const UNTANGLE: [Operation; 4] = [
     Operation { concerns: is_fault, propose: untangle::once },
     Operation { concerns: is_fault, propose: untangle::unions },
     Operation { concerns: is_fault, propose: untangle::twice },
+    Operation { concerns: is_fault, propose: caps::caps },
 ];
 
 fn is_triangle(engine: &Engine, face: u32) -> bool {

@@ -3,8 +3,8 @@
 //! # Theory
 //! A fault spans a part thinner than a tile, or all of its corners lie on one feature curve. Six edits are proposed: it is recut
 //! together with a face beside it, one of its edges is collapsed, two of its corners are merged, it meets a triangle beside it, a
-//! vertex of its curve is removed, or it is split. If none helps, the best cut of its union with one or two faces is proposed, and
-//! then two edits in turn. With [`Quads::All`] the last
+//! vertex of its curve is removed, or it is split. If none helps, the best cut of its union with one or two faces is proposed, then
+//! two edits in turn, and then [caps](super::caps). With [`Quads::All`] the last
 //! resort is a ring of quads about the corner opposite to a straight one.
 
 use super::super::edit::Edit;
@@ -50,8 +50,17 @@ pub(super) fn unions<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)>
 
 /// The edit that recuts the union of faces; `None` unless that is a simple polygon with a cut of its own.
 fn recut_union<'e>(engine: &Engine, edit: &Edit<'e>, set: &[u32]) -> Option<Edit<'e>> {
-    /// The cost of a fault, in perfect quads.
-    const FAULT: f64 = 10.0;
+    let outline = outline(edit, set)?;
+    let inner_sides = set.iter().map(|&face| edit.face(face).len()).sum::<usize>() - outline.len();
+    if inner_sides != 2 * (set.len() - 1) {
+        return None;
+    }
+    let result = replaced(edit, set, &cut_outline(engine, edit, &outline, set)?);
+    has_fewer_faults(engine, &result).then_some(result)
+}
+
+/// The outline of the union of faces, counter-clockwise; `None` unless it is one simple polygon.
+pub(super) fn outline(edit: &Edit, set: &[u32]) -> Option<Vec<u32>> {
     let all: Vec<[u32; 2]> = set.iter().flat_map(|&face| sides(edit.face(face))).collect();
     let rim: Vec<[u32; 2]> = all.iter().copied().filter(|&[a, b]| !all.contains(&[b, a])).collect();
     let mut outline = vec![rim.first()?[0]];
@@ -59,9 +68,13 @@ fn recut_union<'e>(engine: &Engine, edit: &Edit<'e>, set: &[u32]) -> Option<Edit
         outline.push(rim.iter().find(|side| side[0] == outline[outline.len() - 1])?[1]);
     }
     let is_repeated = (1..outline.len()).any(|k| outline[..k].contains(&outline[k]));
-    if is_repeated || rim.len() + 2 * (set.len() - 1) != all.len() {
-        return None;
-    }
+    (!is_repeated).then_some(outline)
+}
+
+/// The cut of least cost of an outline of faces into quads and triangles.
+pub(super) fn cut_outline(engine: &Engine, edit: &Edit, outline: &[u32], set: &[u32]) -> Option<Vec<Vec<u32>>> {
+    /// The cost of a fault, in perfect quads.
+    const FAULT: f64 = 10.0;
     let corners = |places: &[usize]| places.iter().map(|&k| outline[k]).collect::<Vec<u32>>();
     let cost = |places: &[usize]| {
         let measure = edit.measure_of(engine.context, &corners(places));
@@ -75,22 +88,27 @@ fn recut_union<'e>(engine: &Engine, edit: &Edit<'e>, set: &[u32]) -> Option<Edit
         if is_taken { f64::INFINITY } else { 0.0 }
     };
     let (_, parts) = polygon::cut(outline.len(), cost, chord)?;
+    Some(parts.iter().map(|part| corners(part)).collect())
+}
+
+/// The edit that puts other faces in the place of some.
+pub(super) fn replaced<'e>(edit: &Edit<'e>, set: &[u32], faces: &[Vec<u32>]) -> Edit<'e> {
     let mut result = edit.clone();
     set.iter().for_each(|&face| result.set_face(face, &[]));
-    for (k, part) in parts.iter().enumerate() {
+    for (k, corners) in faces.iter().enumerate() {
         match set.get(k) {
-            Some(&face) => result.set_face(face, &corners(part)),
+            Some(&face) => result.set_face(face, corners),
             None => {
-                result.add_face(&corners(part));
+                result.add_face(corners);
             }
         }
     }
-    has_fewer_faults(engine, &result).then_some(result)
+    result
 }
 
 /// Whether fewer of the changed faces are faults than before before the vertices relax: a quick test, as edits in two
 /// steps are many.
-fn has_fewer_faults(engine: &Engine, edit: &Edit) -> bool {
+pub(super) fn has_fewer_faults(engine: &Engine, edit: &Edit) -> bool {
     let old = edit.changed().filter(|(face, _)| !edit.before(*face).is_empty());
     let before = old.filter(|(face, _)| engine.is_fault(*face)).count();
     let new = edit.changed().filter(|(_, corners)| !corners.is_empty());
@@ -98,7 +116,7 @@ fn has_fewer_faults(engine: &Engine, edit: &Edit) -> bool {
 }
 
 /// Whether an edit is sound, and adds no triangle with [`Quads::All`].
-fn is_allowed(engine: &Engine, edit: &Edit) -> bool {
+pub(super) fn is_allowed(engine: &Engine, edit: &Edit) -> bool {
     let is_triangle = |corners: &[u32]| usize::from(corners.len() == 3);
     let added: usize = edit.changed().map(|(_, corners)| is_triangle(corners)).sum();
     let removed: usize = edit.changed().map(|(face, _)| is_triangle(edit.before(face))).sum();

@@ -1,0 +1,79 @@
+//! Parts thinner than the tiles that are asked for: tips of needles, and walls.
+
+use quadmosaic::parametrize::Rows;
+use quadmosaic::{Fineness, Mesher, Options, Outcome, Soup};
+use std::f64::consts::TAU;
+
+/// A profile of radii and heights that begins and ends on the axis or comes back to its beginning, turned about the axis.
+fn turned(profile: &[[f64; 2]], around: u32) -> Soup {
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    let is_closed = profile.first() == profile.last();
+    let rows = if is_closed { &profile[1..] } else { profile };
+    let first: Vec<u32> = rows
+        .iter()
+        .map(|&[radius, height]| {
+            let first = points.len() as u32;
+            let angle = |i: u32| TAU * f64::from(i) / f64::from(around);
+            let count = if radius == 0.0 { 1 } else { around };
+            points.extend((0..count).map(|i| [radius * angle(i).cos(), radius * angle(i).sin(), height]));
+            first
+        })
+        .collect();
+    let at = |row: usize, i: u32| first[row] + if rows[row][0] == 0.0 { 0 } else { i % around };
+    let pairs = (0..rows.len() - usize::from(!is_closed)).map(|row| (row, (row + 1) % rows.len()));
+    let quads =
+        pairs.flat_map(|(low, high)| (0..around).map(move |i| [(low, i), (low, i + 1), (high, i + 1), (high, i)]));
+    let halves = quads.map(|quad| quad.map(|(row, i)| at(row, i))).flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let triangles = halves.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    Soup::new(points, triangles)
+}
+
+fn meshed(soup: &Soup, options: &Options) -> Outcome {
+    Mesher::cpu().mesh(soup, options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn faults(outcome: &Outcome) -> usize {
+    outcome.meshed.faults.list.len() + outcome.meshed.differences.len()
+}
+
+/// Two cones, base on base.
+fn spindle(height: f64, around: u32) -> Soup {
+    turned(&[[0.0, -height], [1.0, 0.0], [0.0, height]], around)
+}
+
+#[test]
+fn the_tips_of_needles_are_closed_by_faces_that_look_outward() {
+    let mut without_edits = 0;
+    for (height, points) in [(5.0, 150), (10.0, 200), (20.0, 120), (40.0, 400)] {
+        let soup = spindle(height, 60);
+        let options = Options::new(Fineness::Points(points));
+        for rows in [Rows::Paper, Rows::Continuous] {
+            let outcome = meshed(&soup, &Options { rows, ..options.clone() });
+            assert_eq!(faults(&outcome), 0, "height {height}, {points} points, {rows:?}");
+            let top = outcome.meshed.mesh.points.iter().map(|[.., z]| *z).fold(0.0, f64::max);
+            assert!(top > 0.999 * height, "height {height}: the tip is cut off at {top}");
+        }
+        without_edits += faults(&meshed(&soup, &Options { connectivity: None, ..options }));
+    }
+    assert!(without_edits > 0, "tips are no matter");
+}
+
+/// A pipe with a wall.
+fn pipe(wall: f64) -> Soup {
+    let inner = 1.0 - wall;
+    turned(&[[1.0, 0.0], [1.0, 3.0], [inner, 3.0], [inner, 0.0], [1.0, 0.0]], 64)
+}
+
+#[test]
+fn a_thin_wall_has_the_vertices_that_it_needs_however_few_are_asked_for() {
+    for points in [30, 150, 600] {
+        let options = Options::new(Fineness::Points(points));
+        let outcome = meshed(&pipe(0.01), &options);
+        assert_eq!(faults(&outcome), 0, "{points} points");
+        assert!(outcome.meshed.mesh.points.len() > 3 * points, "{points} points: the wall needs no more");
+        let thick = meshed(&pipe(0.5), &options).meshed.mesh.points.len();
+        assert!(thick < 2 * points.max(100), "{points} points: {thick} on a thick wall");
+    }
+    let thinnest = meshed(&pipe(1e-4), &Options::new(Fineness::Points(150)));
+    assert!(faults(&thinnest) > 0, "no wall is too thin");
+}
