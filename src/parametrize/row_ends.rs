@@ -13,6 +13,7 @@ use super::transitions::turned;
 use super::{Parametrization, Rows};
 use crate::compute::{Backend, ComputeError};
 use crate::progress::ASKED_EVERY;
+use crate::sizes::Intervals;
 use crate::surface::{Surface, previous};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -186,7 +187,7 @@ impl Parametrization<'_> {
             let flow = &flow;
             (0..3 * triangles).into_par_iter().map(|h| flow.prices_of(h)).collect()
         };
-        let mut path_edges = 0;
+        let mut path_edges = flow.fit_intervals();
         loop {
             let most = if rows == Rows::Paper { MOST_COST / f64::from(finer) } else { f64::INFINITY };
             let crossed = flow.round(most, backend)?;
@@ -225,6 +226,37 @@ impl Parametrization<'_> {
 }
 
 impl Flow<'_, '_> {
+    /// Gives curves the asked numbers of tile sides: row ends are put in beside them; how many edges were crossed.
+    fn fit_intervals(&mut self) -> usize {
+        let mut crossed = 0;
+        for Intervals { curve, count } in self.parametrization.intervals.clone() {
+            let missing = count as i32 - self.intervals[curve];
+            // The direction in which a charge that is moved over a half-edge makes the curve longer, or shorter.
+            let turn = if missing > 0 { 2 } else { 0 };
+            for _ in 0..missing.abs() {
+                let excess = |h: u32| {
+                    let step = |[x, y]: [f64; 2]| if self.along(h).is_multiple_of(2) { x.abs() } else { y.abs() };
+                    let [found, wanted] =
+                        [self.parametrization.step(h), self.parametrization.transitions[h as usize].wanted].map(step);
+                    f64::from(missing.signum()) * (found - wanted)
+                };
+                let half_edges = &self.surface.features().curves()[curve].half_edges;
+                let Some(h) = half_edges.iter().copied().min_by(|&a, &b| excess(a).total_cmp(&excess(b))) else {
+                    break;
+                };
+                let direction = self.along(h) + turn + self.parametrization.quarters_home(h);
+                let state = State::new(h / 3, direction % 4);
+                self.charge(state, -1);
+                if let Some(twin) = self.surface.twin(h) {
+                    self.charge(State::new(twin / 3, self.across(h, twin, state.direction())), 1);
+                }
+                self.change_jumps(state, h);
+                crossed += 1;
+            }
+        }
+        crossed
+    }
+
     /// Grows paths from all charges at once and cancels those that meet first, up to the price `most` of both paths together;
     /// how many edges were crossed.
     fn round(&mut self, most: f64, backend: &dyn Backend) -> Result<usize, ComputeError> {
