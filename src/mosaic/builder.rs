@@ -30,15 +30,15 @@ const STILL: f32 = 0.01;
 pub struct Effort {
     /// The parametrization is solved for at most this many tiles; more are made by splitting. Default 16,000.
     pub solved: usize,
-    /// Batches of relaxation on each level, each before tiles are inserted and deleted, at most. Default 1.
+    /// Batches of relaxation on each level, each before tiles are inserted and deleted, at most. Default 2.
     pub batches: usize,
-    /// Steps a batch. Default 4.
+    /// Steps a batch. Default 8.
     pub steps: u32,
 }
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { solved: 16_000, batches: 1, steps: 4 }
+        Self { solved: 16_000, batches: 2, steps: 8 }
     }
 }
 
