@@ -51,8 +51,8 @@ pub struct FinenessArguments {
     size_at: Vec<LocalSize>,
     /// The least number of edges round each round hole (0 to 1000)
     ///
-    /// Also round other closed features that are round. They get just so many where others would be fewer (about as many above 16,000
-    /// points and with --layout quads). 0: any
+    /// Also round other closed features that are round. They get just so many where others would be fewer, or up to a fifth more (about
+    /// as many above 16,000 points and with --layout quads). 0: any
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = up_to::<1000>, help_heading = "Fineness")]
     around_holes: usize,
     /// The least edge length, in model units, whatever else asks for shorter ones

@@ -78,8 +78,8 @@ pub struct MethodArguments {
 
     /// The most memory: a run that needs more is refused before its work
     ///
-    /// In bytes, or with K, M, G or T, powers of 1024: 500M, 2G, 2GB, 2GiB, 1e9. The memory is predicted for the CPU from the number of triangles and
-    /// points; the error tells what would fit
+    /// In bytes, or with K, M, G or T, powers of 1024: 500M, 2G, 2GB, 2GiB, 1e9. The memory is predicted for the CPU from the number
+    /// of triangles and points; the error tells what would fit
     #[arg(long, value_name = "SIZE", value_parser = memory, help_heading = "Machine")]
     max_memory: Option<u64>,
     /// The longest time, in seconds: after it the best mesh so far is written

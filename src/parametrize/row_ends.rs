@@ -187,7 +187,7 @@ impl Parametrization<'_> {
             let flow = &flow;
             (0..3 * triangles).into_par_iter().map(|h| flow.prices_of(h)).collect()
         };
-        let mut path_edges = flow.fit_intervals();
+        let mut path_edges = flow.set_intervals();
         loop {
             let most = if rows == Rows::Paper { MOST_COST / f64::from(finer) } else { f64::INFINITY };
             let crossed = flow.round(most, backend)?;
@@ -227,7 +227,7 @@ impl Parametrization<'_> {
 
 impl Flow<'_, '_> {
     /// Gives curves the asked numbers of tile sides: row ends are put in beside them; how many edges were crossed.
-    fn fit_intervals(&mut self) -> usize {
+    fn set_intervals(&mut self) -> usize {
         let mut crossed = 0;
         for Intervals { curve, count } in self.parametrization.intervals.clone() {
             let missing = count as i32 - self.intervals[curve];

@@ -77,6 +77,7 @@ fn known(regions: &[String]) -> String {
 pub struct Sizes {
     /// Empty: 1 everywhere.
     relative: Vec<f32>,
+    /// Of curves with an asked number of tiles.
     intervals: Vec<Intervals>,
 }
 

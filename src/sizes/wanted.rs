@@ -50,7 +50,7 @@ pub struct SizeOptions {
     /// Sizes at places, which are the largest there. Default: none.
     pub local: Vec<LocalSize>,
     /// The least number of tiles round each round hole, and each other closed feature that is round: just so many where others would
-    /// be fewer, or about as many where the mosaic is laid coarsely and split. 0: any, the default.
+    /// be fewer, or up to a fifth more; about as many where the mosaic is laid coarsely and split. 0: any, the default.
     pub around_holes: usize,
     /// The least side, in model units; it counts before all others. Default: none.
     pub least: Option<f64>,
@@ -250,7 +250,7 @@ impl Wanted<'_> {
         self.girths.is_none() && self.limits.is_none() && !is_bounded
     }
 
-    /// The round curves on which fewer tiles of these sizes would lie than are asked for, where `count` cover the surface.
+    /// The round curves on which fewer tiles of these sizes would lie than are asked for, or few more, where `count` cover the surface.
     pub fn intervals(&self, surface: &Surface, sizes: &Sizes, count: usize) -> Vec<Intervals> {
         if self.options.around_holes == 0 {
             return Vec::new();

@@ -338,7 +338,8 @@ impl<'a> Engine<'a> {
                     false => Some(evaluation),
                 };
                 let Some(evaluation) = evaluation.filter(|evaluation| self.holds(&edit, evaluation)) else { continue };
-                if excess.abs() > self.excess.abs().max(most_excess) && !evaluation.has_fewer_faults {
+                let is_needed = evaluation.has_fewer_faults || evaluation.gain >= FAULT_GAIN;
+                if excess.abs() > self.excess.abs().max(most_excess) && !is_needed {
                     continue;
                 }
                 changed.extend(edit.changed().map(|(face, _)| face).filter(|face| *face < NEW));
@@ -361,19 +362,20 @@ impl<'a> Engine<'a> {
         }
     }
 
-    /// The edit about a face that gains most, of the first operation that has one; none in a cancelled run. About a fault it must
-    /// [hold](Self::holds), or else operations that follow would not be tried.
+    /// The edit about a face that gains most, of the first operation that has one; none in a cancelled run. Where operations follow,
+    /// it must [hold](Self::holds) about a fault, or else they would not be tried.
     fn best(&self, operations: &[Operation], face: u32) -> Option<Candidate> {
         if self.context.is_cancelled() {
             return None;
         }
+        let must_hold = operations.len() > 1 && self.is_fault(face);
         let concerned = operations.iter().filter(|operation| (operation.concerns)(self, face));
         concerned.map(|operation| (operation.propose)(self, face)).find_map(|edits| {
             let evaluated = edits.into_iter().filter_map(|(kind, edit)| Some((self.evaluate(&edit)?, kind, edit)));
             let mut gaining: Vec<_> = evaluated.filter(|(evaluation, ..)| evaluation.gain > LEAST_GAIN).collect();
             gaining.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
             let mut gaining = gaining.into_iter();
-            let best = gaining.find(|(evaluation, _, edit)| !self.is_fault(face) || self.holds(edit, evaluation));
+            let best = gaining.find(|(evaluation, _, edit)| !must_hold || self.holds(edit, evaluation));
             best.map(|(evaluation, kind, edit)| Candidate { face, kind, change: edit.into_change(), evaluation })
         })
     }
