@@ -265,6 +265,7 @@ fn edits(counts: EditCounts) -> String {
         (counts.strips_in, "strip put in"),
         (counts.flipped, "edge flipped"),
         (counts.collapsed, "face collapsed"),
+        (counts.quadrangulated, "disc quadrangulated"),
         (counts.dissolved, "vertex dissolved"),
         (counts.split, "quad split"),
         (counts.on_boundaries, "vertex added on boundaries"),

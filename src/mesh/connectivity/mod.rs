@@ -8,7 +8,8 @@
 //!
 //! In a mesh of quads, a triangle with a vertex of valence 5 is the end of a row (a dislocation). Two ends that face each other
 //! cancel when the row between them is removed; two ends that point away from each other cancel when a row is inserted. A
-//! triangle moves when the pentagon that it forms with the quad beside it is cut in another way.
+//! triangle moves when the pentagon that it forms with the quad beside it is cut in another way. At last, parts with more irregular
+//! vertices than they need are quadrangulated anew.
 //!
 //! # Changes versus the paper
 //! The paper's clean-up (section 3, figure 5) is the operation set of [`Quads::Paper`]. It evaluates edits with the vertices as
@@ -23,7 +24,7 @@ pub(crate) mod edit;
 pub(crate) mod operations;
 mod patch;
 
-use super::objective::{Context, Measure, Score, chord_loss};
+use super::objective::{Context, Measure, POOR, Score, chord_loss};
 use super::relocate::match_shapes;
 use super::surface_mesh::SurfaceMesh;
 use super::vertex::walked;
@@ -118,6 +119,8 @@ pub struct EditCounts {
     pub flipped: usize,
     /// Faces collapsed: two of their corners were merged.
     pub collapsed: usize,
+    /// Discs quadrangulated anew, with fewer irregular vertices.
+    pub quadrangulated: usize,
     /// Vertices of valence 2 inside the surface removed.
     pub dissolved: usize,
     /// Quads split into two triangles.
@@ -148,6 +151,14 @@ pub(crate) enum Kind {
     Collapse,
     Split,
     Ring,
+    Quadrangulate,
+}
+
+impl Kind {
+    /// The sweeps of local relaxation after an edit: none where its vertices are at their places.
+    fn sweeps(self) -> usize {
+        if self == Self::Quadrangulate { 0 } else { patch::SWEEPS }
+    }
 }
 
 impl EditCounts {
@@ -164,6 +175,7 @@ impl EditCounts {
             Kind::Collapse => &mut self.collapsed,
             Kind::Split => &mut self.split,
             Kind::Ring => &mut self.strips_in,
+            Kind::Quadrangulate => &mut self.quadrangulated,
         } += 1;
     }
 }
@@ -174,8 +186,12 @@ const ROUNDS: usize = 12;
 const VERTICES_PER_EXCESS: i64 = 150;
 /// ... and on small meshes by this number.
 const LEAST_EXCESS: i64 = 2;
+/// Where discs are quadrangulated anew, it may change by one more for each of these vertices.
+const VERTICES_PER_DISC_EXCESS: i64 = 100;
 /// The price of a triangle with [`Quads::All`].
 const ALL_PRICE: f64 = 3.0;
+/// The least [`ConnectivityOptions::regularity`] where discs are quadrangulated anew.
+const DISC_REGULARITY: f64 = 0.2;
 /// The least [`ConnectivityOptions::regularity`] with [`Quads::All`].
 const ALL_REGULARITY: f64 = 0.1;
 /// An edit makes no vertex of a higher valence, unless one near it had that before: collapses one after the other would gather the
@@ -213,6 +229,9 @@ pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &Connectivit
     let mut engine = Engine { context, mesh, measures, options, excess, counts };
     engine.run(&[operations::RECUT]);
     operations::dissolve(&mut engine);
+    engine.options.regularity = engine.options.regularity.max(DISC_REGULARITY);
+    let most_excess = engine.excess.abs() + engine.mesh.vertices().len() as i64 / VERTICES_PER_DISC_EXCESS;
+    engine.run_within(most_excess, &[operations::QUADRANGULATE]);
     engine.finish()
 }
 
@@ -313,8 +332,12 @@ impl<'a> Engine<'a> {
 
     /// Makes the best edit about each face that an operation concerns, in rounds, until none gains.
     fn run(&mut self, operations: &[Operation]) {
+        self.run_within((self.mesh.vertices().len() as i64 / VERTICES_PER_EXCESS).max(LEAST_EXCESS), operations);
+    }
+
+    /// As [`Self::run`]; the number of vertices may differ from the wanted number by `most_excess`.
+    fn run_within(&mut self, most_excess: i64, operations: &[Operation]) {
         let mut waiting = self.concerned(operations);
-        let most_excess = (self.mesh.vertices().len() as i64 / VERTICES_PER_EXCESS).max(LEAST_EXCESS);
         for _ in 0..ROUNDS {
             let best = |&face: &u32| self.best(operations, face);
             let mut candidates: Vec<Candidate> = waiting.par_iter().filter_map(best).collect();
@@ -334,7 +357,7 @@ impl<'a> Engine<'a> {
                 let excess = self.excess + edit.growth();
                 // An earlier edit of the round may have moved vertices near this one.
                 let evaluation = match evaluation.dependencies.iter().any(|face| measured.contains(face)) {
-                    true => self.evaluate(&edit).filter(|evaluation| evaluation.gain > LEAST_GAIN),
+                    true => self.evaluate(kind, &edit).filter(|evaluation| evaluation.gain > LEAST_GAIN),
                     false => Some(evaluation),
                 };
                 let Some(evaluation) = evaluation.filter(|evaluation| self.holds(&edit, evaluation)) else { continue };
@@ -371,7 +394,8 @@ impl<'a> Engine<'a> {
         let must_hold = operations.len() > 1 && self.is_fault(face);
         let concerned = operations.iter().filter(|operation| (operation.concerns)(self, face));
         concerned.map(|operation| (operation.propose)(self, face)).find_map(|edits| {
-            let evaluated = edits.into_iter().filter_map(|(kind, edit)| Some((self.evaluate(&edit)?, kind, edit)));
+            let evaluated =
+                edits.into_iter().filter_map(|(kind, edit)| Some((self.evaluate(kind, &edit)?, kind, edit)));
             let mut gaining: Vec<_> = evaluated.filter(|(evaluation, ..)| evaluation.gain > LEAST_GAIN).collect();
             gaining.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
             let mut gaining = gaining.into_iter();
@@ -382,7 +406,7 @@ impl<'a> Engine<'a> {
 
     /// The evaluation of an edit after local relaxation; `None` where it adds a fault, leaves too small a shape, or gathers too many
     /// faces at a vertex.
-    fn evaluate(&self, edit: &Edit) -> Option<Evaluation> {
+    fn evaluate(&self, kind: Kind, edit: &Edit) -> Option<Evaluation> {
         let touched = edit.touched();
         let before = Edit::new(self.mesh);
         let highest_before = touched.iter().filter(|&&v| v < NEW).map(|&v| before.valence(v)).max();
@@ -390,9 +414,10 @@ impl<'a> Engine<'a> {
         if highest > highest_before.max(Some(HIGHEST_VALENCE)) {
             return None;
         }
-        let relaxed = relaxed(self.context, edit, &self.measures, self.options.triangle_price);
+        let relaxed = relaxed(self.context, edit, &self.measures, self.options.triangle_price, kind.sweeps());
         let (before, after) = (relaxed.before, relaxed.after);
-        let least = self.options.least_shape.min((1.0 - SHAPE_TOLERANCE) * relaxed.least_before);
+        let least_shape = if kind == Kind::Quadrangulate { POOR } else { self.options.least_shape };
+        let least = least_shape.min((1.0 - SHAPE_TOLERANCE) * relaxed.least_before);
         if after.faults > before.faults || (after.faults == before.faults && relaxed.least_after < least) {
             return None;
         }

@@ -14,7 +14,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// The number of rings of faces about the changed faces in the patch; vertices inside it move.
 const RINGS: usize = 2;
 /// Sweeps over the vertices.
-const SWEEPS: usize = 6;
+pub(super) const SWEEPS: usize = 6;
 /// The relaxation factor of a sweep.
 const RELAXATION: f64 = 0.8;
 
@@ -37,10 +37,11 @@ pub(crate) struct Relaxed {
 }
 
 /// Relaxes the vertices near an edit, and measures the patch. `known` are the measures of the faces of the mesh; `price` is the
-/// price of a triangle.
-pub(crate) fn relaxed(context: &Context, edit: &Edit, known: &[Measure], price: f64) -> Relaxed {
+/// price of a triangle. Without sweeps no vertex has a target.
+pub(crate) fn relaxed(context: &Context, edit: &Edit, known: &[Measure], price: f64, sweeps: usize) -> Relaxed {
     let mut patch = Patch::about(edit);
-    (0..SWEEPS).for_each(|_| patch.sweep());
+    (0..sweeps).for_each(|_| patch.sweep());
+    let moved = if sweeps > 0 { &patch.free[..] } else { &[] };
 
     let removed = || edit.changed().filter(|(_, corners)| corners.is_empty()).map(|(face, _)| face);
     let old = removed().chain(patch.faces.iter().copied()).filter(|&face| !edit.before(face).is_empty());
@@ -55,7 +56,7 @@ pub(crate) fn relaxed(context: &Context, edit: &Edit, known: &[Measure], price: 
         least_after: least(&mut new.iter()),
         dependencies: removed().chain(patch.faces.iter().copied()).collect(),
         neighbourhood: removed().chain(patch.faces[..patch.first_ring].iter().copied()).collect(),
-        targets: patch.free.iter().map(|&v| (patch.vertices[v], patch.points[v])).collect(),
+        targets: moved.iter().map(|&v| (patch.vertices[v], patch.points[v])).collect(),
     }
 }
 

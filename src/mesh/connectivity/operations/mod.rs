@@ -1,11 +1,14 @@
 //! The operations: each proposes edits about the faces that it concerns.
 
 mod caps;
+mod disc;
 mod paper;
+mod quadrangulate;
 mod recut;
 mod rows;
 mod search;
 mod strips;
+mod templates;
 mod untangle;
 mod walk;
 
@@ -28,6 +31,9 @@ pub(super) struct Operation {
 pub(super) const PAIR: Operation = Operation { concerns: is_triangle, propose: search::ways_out };
 /// Poor faces, and quads with irregular vertices, are recut or collapsed.
 pub(super) const RECUT: Operation = Operation { concerns: recut::is_candidate, propose: recut::recuts };
+/// Discs of several irregular vertices are quadrangulated anew.
+pub(super) const QUADRANGULATE: Operation =
+    Operation { concerns: quadrangulate::has_irregular, propose: quadrangulate::quadrangulations };
 /// Faults are recut, collapsed or split, by one edit, by the best cut of a few faces, by two edits, or by a cap of
 /// many.
 pub(super) const UNTANGLE: [Operation; 4] = [

@@ -20,7 +20,7 @@
 //! open boundary, which gets the vertex.
 
 use super::super::edit::{Change, Edit, NEW};
-use super::super::patch::relaxed;
+use super::super::patch::{SWEEPS, relaxed};
 use super::super::{Engine, Kind, LEAST_GAIN};
 use super::walk;
 use crate::mesh::incidence::{sides, undirected};
@@ -115,7 +115,7 @@ fn meet(engine: &mut Engine, triangle: u32, [x, y]: [u32; 2], other: u32) -> boo
 /// Makes a change unless it adds a fault or a face of a smaller shape than `least`; returns whether it did.
 fn make_relaxed(engine: &mut Engine, change: Change, least: f64) -> bool {
     let edit = Edit::with(engine.mesh, change);
-    let relaxed = relaxed(engine.context, &edit, &engine.measures, engine.options.triangle_price);
+    let relaxed = relaxed(engine.context, &edit, &engine.measures, engine.options.triangle_price, SWEEPS);
     if relaxed.after.faults > relaxed.before.faults || relaxed.least_after < least.min(relaxed.least_before) {
         return false;
     }
@@ -192,7 +192,7 @@ fn apply(engine: &mut Engine, strip: &Strip) {
 /// Makes a change that subdivides faces. Their vertices relax unless that makes a fault.
 fn insert(engine: &mut Engine, change: Change) {
     let edit = Edit::with(engine.mesh, change);
-    let relaxed = relaxed(engine.context, &edit, &engine.measures, engine.options.triangle_price);
+    let relaxed = relaxed(engine.context, &edit, &engine.measures, engine.options.triangle_price, SWEEPS);
     engine.excess += edit.growth();
     let (on_features, on_boundaries) = added_on_features(&edit);
     let change = edit.into_change();
@@ -211,7 +211,7 @@ pub(in super::super) fn put_rings(engine: &mut Engine) {
         let ring = opposite(engine, face).and_then(|corner| ring(engine, corner));
         let Some(change) = ring.map(|ring| subdivided(engine, &ring).into_change()) else { continue };
         let edit = Edit::with(engine.mesh, change);
-        let evaluation = if edit.is_sound() { engine.evaluate(&edit) } else { None };
+        let evaluation = if edit.is_sound() { engine.evaluate(Kind::Ring, &edit) } else { None };
         let Some(evaluation) = evaluation.filter(|evaluation| evaluation.gain > LEAST_GAIN) else { continue };
         engine.excess += edit.growth();
         let change = edit.into_change();
