@@ -37,7 +37,7 @@ use crate::field::{Align, Field, FieldOptions, Stretch};
 use crate::mesh::check::Faults;
 use crate::mesh::compare::Difference;
 use crate::mesh::connect::{ConnectOptions, connect};
-use crate::mesh::connectivity::{ConnectivityOptions, EditCounts, Quads, optimise, untangle};
+use crate::mesh::connectivity::{ConnectivityOptions, EditCounts, Quads, optimise, quadrangulate, untangle};
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::finish::{Finished, finish, joined};
 use crate::mesh::relocate::relocate;
@@ -303,6 +303,10 @@ fn meshed(
     relocate(&context, &mut mesh, options.smoothing);
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits) {
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
+        if quadrangulate(&context, &mut mesh, &connectivity, edits) {
+            relocate(&context, &mut mesh, options.smoothing);
+            untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
+        }
     }
     if options.smoothing > 0 {
         snap(&context, &mut mesh);

@@ -70,7 +70,7 @@ run_lints() {
         lint=check denied=()
     fi
     check "cargo $lint" cargo "$lint" --release --workspace --all-targets "${denied[@]}"
-    for feature in "" gpu page study; do
+    for feature in "" gpu page,study; do
         check "cargo $lint, features: ${feature:-none}" \
             cargo "$lint" --release --lib --no-default-features --features "$feature" "${denied[@]}"
     done
@@ -85,9 +85,9 @@ lints=$!
 for script in formats page python; do bash "tests/$script.sh" --prepare; done >"$folder/prepared" 2>&1 &
 prepared=$!
 
-# The tests need most of the dependencies' features: the program that is built for them is the one that the scripts run.
-# What does not compile is told when they run.
-cargo test --release --no-run --quiet 2>/dev/null
+# The program that is built for the tests is the one that the scripts run, and the wheel is made of the same build: only with all of the
+# workspace do the dependencies have the same features. What does not compile is told when the tests run.
+cargo test --release --workspace --no-run --quiet 2>/dev/null
 export QUADMOSAIC_PROGRAM=$PWD/target/release/quadmosaic
 # What cannot be installed is told by the scripts themselves.
 wait "$prepared"
@@ -100,7 +100,7 @@ check python bash tests/python.sh
 # A test that skips itself says so in a line of its own, and
 # cargo counts it as passed: it is taken off there.
 echo "== cargo test, after $SECONDS s"
-cargo test --release --no-fail-fast -- --show-output 2>&1 | tee "$log"
+cargo test --release --workspace --no-fail-fast -- --show-output 2>&1 | tee "$log"
 status=${PIPESTATUS[0]}
 counts=$(awk '
     /Running|Doc-tests/ { binary = $0 }

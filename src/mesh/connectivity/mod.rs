@@ -16,7 +16,8 @@
 //! they are, and uses the field. The other operations are not in the paper.
 //!
 //! # Practice
-//! Call [`optimise`] once, then [relocate](super::relocate), then [`untangle`] and relocation in turns until no fault is left.
+//! Call [`optimise`] once, then [relocate](super::relocate), then [`untangle`] and relocation in turns until no fault is left, then
+//! [`quadrangulate`], and the same again where it has changed the mesh.
 //! [`Quads::Most`] is the default; [`Quads::All`] gives up shape for the last triangles; [`Quads::Paper`] is for comparison with the
 //! paper.
 
@@ -229,9 +230,6 @@ pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &Connectivit
     let mut engine = Engine { context, mesh, measures, options, excess, counts };
     engine.run(&[operations::RECUT]);
     operations::dissolve(&mut engine);
-    engine.options.regularity = engine.options.regularity.max(DISC_REGULARITY);
-    let most_excess = engine.excess.abs() + engine.mesh.vertices().len() as i64 / VERTICES_PER_DISC_EXCESS;
-    engine.run_within(most_excess, &[operations::QUADRANGULATE]);
     engine.finish()
 }
 
@@ -256,6 +254,26 @@ pub fn untangle(
     let is_better = engine.faults() < before;
     *counts = engine.finish();
     is_better
+}
+
+/// Quadrangulates discs with more irregular vertices than they need anew; `counts` grow by these. Returns whether there were some.
+pub fn quadrangulate(
+    context: &Context,
+    mesh: &mut SurfaceMesh,
+    options: &ConnectivityOptions,
+    counts: &mut EditCounts,
+) -> bool {
+    if options.quads == Quads::Paper {
+        return false;
+    }
+    let options = &ConnectivityOptions { regularity: options.regularity.max(DISC_REGULARITY), ..*options };
+    let mut engine = Engine::new(context, mesh, options);
+    engine.counts = *counts;
+    let most_excess = engine.excess.abs() + engine.mesh.vertices().len() as i64 / VERTICES_PER_DISC_EXCESS;
+    engine.run_within(most_excess, &[operations::QUADRANGULATE]);
+    let before = counts.quadrangulated;
+    *counts = engine.finish();
+    counts.quadrangulated > before
 }
 
 /// The engine: a mesh while edits are made.
