@@ -303,9 +303,15 @@ fn meshed(
     relocate(&context, &mut mesh, options.smoothing);
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits) {
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
+        let before = (mesh.clone(), *edits);
         if quadrangulate(&context, &mut mesh, &connectivity, edits) {
             relocate(&context, &mut mesh, options.smoothing);
             untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
+            let wrong = |mesh: &SurfaceMesh| mesh.faults(&context).len() + mesh.opposed_faces(&context).len();
+            let after = wrong(&mesh);
+            if after > 0 && after > wrong(&before.0) {
+                (mesh, *edits) = before;
+            }
         }
     }
     if options.smoothing > 0 {

@@ -102,14 +102,18 @@ fn caps_of<'e>(engine: &'e Engine, edit: &Edit<'e>, faces: &[u32]) -> Vec<Edit<'
         caps.extend(cut_outline(engine, edit, &outline, faces));
     }
     let side = (0..count).map(|k| edit.point(at(k)).distance(edit.point(at(k + 1)))).sum::<f64>() / count as f64;
+    let points: Vec<glam::DVec3> = inner.iter().map(|&v| edit.point(v)).collect();
     let is_near = |cap: &Vec<Vec<u32>>| {
-        let point = |v: u32| edit.point(v);
-        let triangles =
-            || cap.iter().flat_map(|face| (2..face.len()).map(|k| [face[0], face[k - 1], face[k]].map(point)));
-        let squared =
-            |v: &u32| triangles().map(|corners| squared_distance(point(*v), corners)).fold(f64::INFINITY, f64::min);
-        inner.iter().all(|v| squared(v) <= (FARTHEST * side).powi(2))
+        let faces = cap.iter().map(|face| face.iter().map(|&v| edit.point(v)).collect::<Vec<_>>());
+        are_near(&points, &faces.collect::<Vec<_>>(), FARTHEST * side)
     };
     let edits = caps.iter().filter(|cap| is_near(cap)).map(|cap| replaced(edit, faces, cap));
     edits.filter(|edit| has_fewer_faults(engine, edit) && is_allowed(engine, edit)).collect()
+}
+
+/// Whether all points lie within a distance of faces.
+pub(super) fn are_near(points: &[glam::DVec3], faces: &[impl AsRef<[glam::DVec3]>], distance: f64) -> bool {
+    let triangles =
+        || faces.iter().map(AsRef::as_ref).flat_map(|face| (2..face.len()).map(|k| [face[0], face[k - 1], face[k]]));
+    points.iter().all(|&point| triangles().any(|corners| squared_distance(point, corners) <= distance * distance))
 }

@@ -10,6 +10,7 @@
 
 use super::super::edit::Edit;
 use super::super::{Engine, Kind};
+use super::caps::are_near;
 use super::disc::{Disc, Growing, is_irregular};
 use super::templates::{SIDES, Template, least_irregular, templates};
 use super::untangle::replaced;
@@ -22,6 +23,8 @@ use rustc_hash::FxHashMap;
 
 /// The number of faces of a disc may change by one, and by one for each of so many.
 const FACES_PER_CHANGE: usize = 8;
+/// The farthest that a removed vertex may lie from the new faces, in mean edges of the outline.
+const FARTHEST: f64 = 0.2;
 /// The most discs about a vertex that are filled.
 const MOST_TRIED: usize = 2;
 /// The most discs about a vertex that are proposed.
@@ -115,7 +118,7 @@ impl<'a, 'e> Filling<'a, 'e> {
             let removed = self.irregularity() - template.irregular as f64;
             let placed = self.placed(template)?;
             let gain = self.gain(&placed) + self.engine.options.regularity * removed;
-            (gain > 0.0).then_some((gain, placed))
+            (gain > 0.0 && self.covers(&placed)).then_some((gain, placed))
         });
         let (_, placed) = gains.max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(self.filled(&placed)).filter(Edit::is_sound)
@@ -148,6 +151,18 @@ impl<'a, 'e> Filling<'a, 'e> {
             Measure::of(&quad.map(|v| self.point(vertices, v)), map.as_ref(), None, || false).score(price).loss
         });
         before.sum::<f64>() - after.sum::<f64>()
+    }
+
+    /// Whether all vertices that are removed lie near the faces of a template, so that no pin is cut off.
+    fn covers(&self, placed: &Placed) -> bool {
+        let Disc { outline, inner, .. } = &self.disc;
+        let removed: Vec<DVec3> = inner.iter().map(|&v| self.edit.point(v)).collect();
+        let faces: Vec<[DVec3; 4]> =
+            placed.quads.iter().map(|quad| quad.map(|v| self.point(&placed.vertices, v))).collect();
+        let around: f64 = (0..outline.len())
+            .map(|k| self.edit.point(outline[k]).distance(self.edit.point(outline[(k + 1) % outline.len()])))
+            .sum();
+        are_near(&removed, &faces, FARTHEST * around / outline.len() as f64)
     }
 
     /// The edit that puts a template in the place of the disc.
