@@ -26,8 +26,6 @@ const FACES_PER_CHANGE: usize = 8;
 /// The farthest that a removed vertex may lie from the new faces, in mean edges of the outline.
 const FARTHEST: f64 = 0.2;
 /// The most discs about a vertex that are filled.
-const MOST_TRIED: usize = 2;
-/// The most discs about a vertex that are proposed.
 const MOST_DISCS: usize = 2;
 /// The most templates of a disc that are tried.
 const MOST_TEMPLATES: usize = 2;
@@ -55,9 +53,9 @@ pub(super) fn quadrangulations<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, 
     let of_smallest = |v: u32| {
         let mut growing = Growing::at(&edit, v);
         let discs = std::iter::from_fn(|| growing.grow().then(|| growing.closed()));
-        let fillings = discs.flatten().filter_map(|disc| Filling::new(engine, &edit, disc)).take(MOST_TRIED);
+        let fillings = discs.flatten().filter_map(|disc| Filling::new(engine, &edit, disc)).take(MOST_DISCS);
         let found = fillings.filter_map(|filling| filling.best());
-        found.take(MOST_DISCS).map(|edit| (Kind::Quadrangulate, edit)).collect::<Vec<_>>()
+        found.map(|edit| (Kind::Quadrangulate, edit)).collect::<Vec<_>>()
     };
     irregular_of(&edit, face).flat_map(of_smallest).collect()
 }
