@@ -40,7 +40,7 @@ use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::connectivity::{ConnectivityOptions, EditCounts, Quads, optimise, quadrangulate, untangle};
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::finish::{Finished, finish, joined};
-use crate::mesh::relocate::relocate;
+use crate::mesh::relocate::{relocate, relocate_about};
 use crate::mesh::snap::snap;
 use crate::mesh::triangulate::triangulate_while;
 use crate::mesh::{Context, Mesh, SurfaceMesh, Triangulation, VertexAttributes};
@@ -303,44 +303,65 @@ fn meshed(
     relocate(&context, &mut mesh, options.smoothing);
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits) {
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
-        let before = (mesh.clone(), *edits);
-        if quadrangulate(&context, &mut mesh, &connectivity, edits) {
-            relocate(&context, &mut mesh, options.smoothing);
-            untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
-            let wrong = |mesh: &SurfaceMesh| mesh.faults(&context).len() + mesh.opposed_faces(&context).len();
-            let after = wrong(&mesh);
-            if after > 0 && after > wrong(&before.0) {
-                (mesh, *edits) = before;
-            }
-        }
     }
-    if options.smoothing > 0 {
-        snap(&context, &mut mesh);
-    }
-    mesh = mesh.compacted();
-    let mut opposed = mesh.opposed_faces(&context);
+    let (without_discs, edits_before) = (mesh.clone(), edits);
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits)
-        && (1..=mesh.faces().count() / THIN).contains(&opposed.len())
+        && quadrangulate(&context, &mut mesh, &connectivity, edits)
     {
-        context.let_nearest_decide();
+        relocate_about(&context, &mut mesh, options.smoothing, without_discs.vertices().len() as u32);
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
-        mesh = mesh.compacted();
-        let left = mesh.faults(&context);
-        if mesh.free_from_curves(context.surface, &left) {
-            untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
-            mesh = mesh.compacted();
-        }
-        opposed = mesh.opposed_faces(&context);
     }
+    let has_discs = edits != edits_before;
+    let (mesh, mut opposed) = settled(&mut context, mesh, connectivity, options.smoothing, &mut edits);
 
     clock.begin(Stage::Finish)?;
-    if clock.progress.late().is_some() {
+    let is_late = clock.progress.late().is_some();
+    if is_late {
         // The search for them was ended too.
         opposed = mesh.opposed_faces(&context);
     }
-    let Finished { mesh, vertices, branches, faults, differences } =
-        finish(&context, &mesh, &opposed, mosaic, triangulation);
+    let mut finished = finish(&context, &mesh, &opposed, mosaic, triangulation);
+    let wrong = |finished: &Finished| finished.faults.list.len() + finished.differences.len();
+    if has_discs && wrong(&finished) > 0 && !is_late {
+        context.let_nearest_decide(false);
+        let mut other_edits = edits_before;
+        let (mesh, opposed) = settled(&mut context, without_discs, connectivity, options.smoothing, &mut other_edits);
+        let other = finish(&context, &mesh, &opposed, mosaic, triangulation);
+        if wrong(&other) < wrong(&finished) {
+            (finished, edits) = (other, other_edits);
+        }
+    }
+    let Finished { mesh, vertices, branches, faults, differences } = finished;
     Ok(Meshed { before, holes, edits, mesh, vertices, branches, faults, differences })
+}
+
+/// Snaps a mesh to features, mends the faces that oppose the surface nearest to them, and returns those that are left.
+fn settled(
+    context: &mut Context,
+    mut mesh: SurfaceMesh,
+    connectivity: Option<ConnectivityOptions>,
+    passes: usize,
+    edits: &mut Option<EditCounts>,
+) -> (SurfaceMesh, Vec<u32>) {
+    if passes > 0 {
+        snap(context, &mut mesh);
+    }
+    mesh = mesh.compacted();
+    let mut opposed = mesh.opposed_faces(context);
+    if let (Some(connectivity), Some(edits)) = (connectivity, edits)
+        && (1..=mesh.faces().count() / THIN).contains(&opposed.len())
+    {
+        context.let_nearest_decide(true);
+        untangle_and_relocate(context, &mut mesh, &connectivity, passes, edits);
+        mesh = mesh.compacted();
+        let left = mesh.faults(context);
+        if mesh.free_from_curves(context.surface, &left) {
+            untangle_and_relocate(context, &mut mesh, &connectivity, passes, edits);
+            mesh = mesh.compacted();
+        }
+        opposed = mesh.opposed_faces(context);
+    }
+    (mesh, opposed)
 }
 
 /// Where a larger share of the faces than one in so many is nearer to an opposite sheet, the surface is thinner than its tiles

@@ -61,9 +61,9 @@ pub struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// From now on the triangles nearest to a face decide whether it is inverted, whatever sheet it was made on.
-    pub(crate) fn let_nearest_decide(&mut self) {
-        self.orientation.let_nearest_decide();
+    /// Whether from now on the triangles nearest to a face decide whether it is inverted, whatever sheet it was made on.
+    pub(crate) fn let_nearest_decide(&mut self, nearest_decides: bool) {
+        self.orientation.let_nearest_decide(nearest_decides);
     }
 
     /// The context of a surface.

@@ -35,9 +35,9 @@ impl<'a> Orientation<'a> {
         Self { surface, triangles: Triangles::new(surface), nearest_decides: false }
     }
 
-    /// From now on the nearest triangles decide, whatever sheets are known at the corners of a face.
-    pub(crate) fn let_nearest_decide(&mut self) {
-        self.nearest_decides = true;
+    /// Whether from now on the nearest triangles decide, whatever sheets are known at the corners of a face.
+    pub(crate) fn let_nearest_decide(&mut self, nearest_decides: bool) {
+        self.nearest_decides = nearest_decides;
     }
 
     /// The tree of the surface's triangles.
@@ -191,7 +191,7 @@ mod tests {
             // Its middle lies beyond the edge, which is nearest.
             let face = [at(0.9, 0.3), at(1.3, 0.3), at(1.3, 0.6), at(0.9, 0.6)];
             assert!(!orientation.is_inverted(&face, [[0; 2]; 4].into_iter()), "its corners are on the floor");
-            orientation.let_nearest_decide();
+            orientation.let_nearest_decide(true);
             assert_eq!(orientation.is_inverted(&face, [[0; 2]; 4].into_iter()), is_inverted, "the foot at {foot}");
         }
     }

@@ -51,9 +51,21 @@ pub fn relocate(context: &Context, mesh: &mut SurfaceMesh, passes: usize) {
     if passes == 0 {
         return;
     }
-    let mut sweeps = match_shapes(context, mesh, passes);
-    sweeps.search_imperfect(mesh);
-    sweeps.search_poor(mesh);
+    Sweeps::new(context, mesh).relocate(mesh, passes);
+}
+
+/// As [`relocate`], from the faces at the vertices from `first` on, and as far as vertices move: those are new.
+pub(crate) fn relocate_about(context: &Context, mesh: &mut SurfaceMesh, passes: usize, first: u32) {
+    if passes == 0 {
+        return;
+    }
+    let mut sweeps = Sweeps::new(context, mesh);
+    sweeps.is_waiting.fill(false);
+    for v in first..mesh.vertices().len() as u32 {
+        let corners = mesh.around(v).iter().flat_map(|&f| mesh.face(f));
+        corners.for_each(|&w| sweeps.is_waiting[w as usize] = true);
+    }
+    sweeps.relocate(mesh, passes);
 }
 
 /// Relocates the vertices by `passes` of shape matching alone.
@@ -104,6 +116,12 @@ impl<'a> Sweeps<'a> {
     /// Keeps vertices where they are: those that `is_held` marks.
     pub(crate) fn hold(&mut self, is_held: &[bool]) {
         self.colours.iter_mut().for_each(|set| set.retain(|&v| !is_held[v as usize]));
+    }
+
+    fn relocate(&mut self, mesh: &mut SurfaceMesh, passes: usize) {
+        self.match_shapes(mesh, passes);
+        self.search_imperfect(mesh);
+        self.search_poor(mesh);
     }
 
     /// Passes of shape matching.

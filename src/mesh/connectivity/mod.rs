@@ -187,7 +187,7 @@ const ROUNDS: usize = 12;
 const VERTICES_PER_EXCESS: i64 = 150;
 /// ... and on small meshes by this number.
 const LEAST_EXCESS: i64 = 2;
-/// Where discs are quadrangulated anew, it may change by one more for each of these vertices.
+/// Where discs are quadrangulated anew, the number may change by one for each of these vertices.
 const VERTICES_PER_DISC_EXCESS: i64 = 100;
 /// The price of a triangle with [`Quads::All`].
 const ALL_PRICE: f64 = 3.0;
@@ -266,11 +266,11 @@ pub fn quadrangulate(
     if options.quads == Quads::Paper {
         return false;
     }
-    let options = &ConnectivityOptions { regularity: options.regularity.max(DISC_REGULARITY), ..*options };
-    let mut engine = Engine::new(context, mesh, options);
+    // The number that the mesh has is near enough to the wanted one.
+    let regularity = options.regularity.max(DISC_REGULARITY);
+    let mut engine = Engine::new(context, mesh, &ConnectivityOptions { regularity, excess: 0, ..*options });
     engine.counts = *counts;
-    let most_excess = engine.excess.abs() + engine.mesh.vertices().len() as i64 / VERTICES_PER_DISC_EXCESS;
-    engine.run_within(most_excess, &[operations::QUADRANGULATE]);
+    engine.run_within(VERTICES_PER_DISC_EXCESS, &[operations::QUADRANGULATE]);
     let before = counts.quadrangulated;
     *counts = engine.finish();
     counts.quadrangulated > before
@@ -350,12 +350,13 @@ impl<'a> Engine<'a> {
 
     /// Makes the best edit about each face that an operation concerns, in rounds, until none gains.
     fn run(&mut self, operations: &[Operation]) {
-        self.run_within((self.mesh.vertices().len() as i64 / VERTICES_PER_EXCESS).max(LEAST_EXCESS), operations);
+        self.run_within(VERTICES_PER_EXCESS, operations);
     }
 
-    /// As [`Self::run`]; the number of vertices may differ from the wanted number by `most_excess`.
-    fn run_within(&mut self, most_excess: i64, operations: &[Operation]) {
+    /// As [`Self::run`]; the number of vertices may differ from the wanted number by one for each of so many.
+    fn run_within(&mut self, vertices_per_excess: i64, operations: &[Operation]) {
         let mut waiting = self.concerned(operations);
+        let most_excess = (self.mesh.vertices().len() as i64 / vertices_per_excess).max(LEAST_EXCESS);
         for _ in 0..ROUNDS {
             let best = |&face: &u32| self.best(operations, face);
             let mut candidates: Vec<Candidate> = waiting.par_iter().filter_map(best).collect();

@@ -82,7 +82,7 @@ impl<'a> Growing<'a> {
     fn is_straight(&self, v: u32) -> bool {
         let is_whole = || self.inside(v).is_some_and(|first| self.sector(v, first).len() == self.at[&v]);
         let on_curve = !self.edit.is_free(v) && !self.is_fixed(v);
-        if on_curve && is_whole() { true } else { self.at[&v] == 2 }
+        (on_curve && is_whole()) || self.at[&v] == 2
     }
 
     /// A face inside at a vertex.
@@ -143,7 +143,7 @@ impl<'a> Growing<'a> {
     }
 
     /// The disc, where it is one with several irregular vertices or triangles, and with no feature inside.
-    pub fn closed(&self) -> Option<Disc> {
+    pub fn disc(&self) -> Option<Disc> {
         let edit = self.edit;
         let irregular = self.irregular();
         if irregular < 2 {

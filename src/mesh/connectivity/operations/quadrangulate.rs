@@ -52,7 +52,7 @@ pub(super) fn quadrangulations<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, 
     let edit = Edit::new(engine.mesh);
     let of_smallest = |v: u32| {
         let mut growing = Growing::at(&edit, v);
-        let discs = std::iter::from_fn(|| growing.grow().then(|| growing.closed()));
+        let discs = std::iter::from_fn(|| growing.grow().then(|| growing.disc()));
         let fillings = discs.flatten().filter_map(|disc| Filling::new(engine, &edit, disc)).take(MOST_DISCS);
         let found = fillings.filter_map(|filling| filling.best());
         found.map(|edit| (Kind::Quadrangulate, edit)).collect::<Vec<_>>()
@@ -112,19 +112,16 @@ impl<'a, 'e> Filling<'a, 'e> {
 
     /// The edit of the template that seems to gain most.
     fn best(&self) -> Option<Edit<'e>> {
+        let irregularity: f64 = self.disc.inner.iter().map(|&v| self.edit.irregularity(v, 0)).sum();
         let gains = self.templates.iter().filter_map(|template| {
-            let removed = self.irregularity() - template.irregular as f64;
+            // Each irregular vertex of a template has one face too few or too many.
+            let removed = irregularity - template.irregular as f64;
             let placed = self.placed(template)?;
             let gain = self.gain(&placed) + self.engine.options.regularity * removed;
             (gain > 0.0 && self.covers(&placed)).then_some((gain, placed))
         });
         let (_, placed) = gains.max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(self.filled(&placed)).filter(Edit::is_sound)
-    }
-
-    /// The sum of squared differences between valences and the wanted ones inside.
-    fn irregularity(&self) -> f64 {
-        self.disc.inner.iter().map(|&v| self.edit.irregularity(v, 0)).sum()
     }
 
     /// The old vertex whose metric a vertex of a template takes.
@@ -157,9 +154,7 @@ impl<'a, 'e> Filling<'a, 'e> {
         let removed: Vec<DVec3> = inner.iter().map(|&v| self.edit.point(v)).collect();
         let faces: Vec<[DVec3; 4]> =
             placed.quads.iter().map(|quad| quad.map(|v| self.point(&placed.vertices, v))).collect();
-        let around: f64 = (0..outline.len())
-            .map(|k| self.edit.point(outline[k]).distance(self.edit.point(outline[(k + 1) % outline.len()])))
-            .sum();
+        let around: f64 = edge_lengths(self.edit, outline).iter().sum();
         are_near(&removed, &faces, FARTHEST * around / outline.len() as f64)
     }
 
@@ -230,10 +225,14 @@ impl<'a, 'e> Filling<'a, 'e> {
     }
 }
 
+fn edge_lengths(edit: &Edit, outline: &[u32]) -> Vec<f64> {
+    let point = |k: usize| edit.point(outline[k % outline.len()]);
+    (0..outline.len()).map(|k| point(k).distance(point(k + 1))).collect()
+}
+
 /// Points of a circle for an outline, by its edges' lengths.
 fn circle(edit: &Edit, outline: &[u32]) -> Vec<DVec2> {
-    let point = |k: usize| edit.point(outline[k % outline.len()]);
-    let lengths: Vec<f64> = (0..outline.len()).map(|k| point(k).distance(point(k + 1))).collect();
+    let lengths = edge_lengths(edit, outline);
     let turn = std::f64::consts::TAU / lengths.iter().sum::<f64>();
     let starts = lengths.iter().scan(0.0, |sum, length| Some(std::mem::replace(sum, *sum + length)));
     starts.map(|start| DVec2::from_angle(turn * start)).collect()

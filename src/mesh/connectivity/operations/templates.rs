@@ -4,13 +4,13 @@
 //! An outline of four sides, opposite ones of the same length, is filled by a grid. One of three or five sides is filled about one
 //! vertex of that valence: from it a leg of quads' edges runs to each side, and each corner gets a grid between two legs. The side
 //! `i` is as long as the legs to the sides before and after it, `l_i = h_(i-1) + h_(i+1)`, which has one solution; it must be
-//! positive. Other outlines are cut by a chord of edges between two sides, into two such outlines, or into three grids. See K. Takayama, D. Panozzo,
-//! O. Sorkine-Hornung: Pattern-based quadrangulation for N-sided patches (2014).
+//! positive. Other outlines are cut by a chord of edges between two sides, into two such outlines, or into three grids. See K. Takayama,
+//! D. Panozzo, O. Sorkine-Hornung: Pattern-based quadrangulation for N-sided patches (2014).
 
 use std::ops::RangeInclusive;
 
 /// A quadrangulation of an outline.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct Template {
     /// The quads, counter-clockwise. The vertices of the outline come first, in order, from its first corner on.
     pub quads: Vec<[usize; 4]>,
