@@ -49,7 +49,9 @@ impl<'a> Orientation<'a> {
     /// surface on the two sides of each corner, [`NONE`] where they are unknown.
     pub(crate) fn is_inverted(&self, corners: &[DVec3], sheets: impl Iterator<Item = [u32; 2]>) -> bool {
         let normal = normal(corners);
-        (self.nearest_decides || !self.agrees(normal, sheets))
+        // A face that is removed or has no area opposes nothing; a search from the centre of a ball would look at all of its triangles.
+        normal != DVec3::ZERO
+            && (self.nearest_decides || !self.agrees(normal, sheets))
             && self.nearest_sheets(normal, middle(corners)).are_opposed
     }
 

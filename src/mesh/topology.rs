@@ -4,7 +4,6 @@ use super::{Edge, Mesh};
 use crate::sets::Sets;
 use crate::surface::Surface;
 use rayon::prelude::*;
-use rustc_hash::FxHashSet;
 use serde::Serialize;
 
 /// Invariants under deformation.
@@ -12,7 +11,7 @@ use serde::Serialize;
 pub struct Topology {
     /// The Euler characteristic: vertices in use - edges + faces.
     pub euler: i64,
-    /// Number of closed boundary curves. Where sheets meet on the boundary, curves branch; those that are connected count once.
+    /// Number of boundary curves. Where curves meet or branch at a vertex, those that are connected count once.
     pub boundary_loops: usize,
     /// Number of connected components; faces that share a vertex are connected.
     pub components: usize,
@@ -60,7 +59,7 @@ impl Connectivity {
         let used = fans.iter().filter(|fans| **fans > 0).count();
         let topology = Topology {
             euler: used as i64 - edges.len() as i64 + mesh.face_count() as i64,
-            boundary_loops: loop_count(mesh, &edges, &loops),
+            boundary_loops: loop_count(mesh, &edges),
             components,
         };
         Self { edges, fans, loops, topology }
@@ -134,20 +133,15 @@ fn boundary_loops(mesh: &Mesh, edges: &[Edge]) -> Vec<Vec<u32>> {
     loops
 }
 
-/// The number of closed curves; of connected ones, of which one begins or ends at a branch, there is one.
-fn loop_count(mesh: &Mesh, edges: &[Edge], loops: &[Vec<u32>]) -> usize {
-    let mut excess = vec![0_i32; mesh.points.len()];
-    let mut parts = Sets::new(mesh.points.len());
-    for edge in edges.iter().filter(|edge| edge.is_boundary()) {
-        let [a, b] = edge.ends;
-        let sides = edge.along as i32 - edge.against as i32;
-        excess[a as usize] += sides.signum();
-        excess[b as usize] -= sides.signum();
-        parts.join(a, b);
+/// The number of boundary curves; those that are connected count once.
+fn loop_count(mesh: &Mesh, edges: &[Edge]) -> usize {
+    let mut curves = Sets::new(mesh.points.len());
+    let mut on_boundary = vec![false; mesh.points.len()];
+    for [a, b] in edges.iter().filter(|edge| edge.is_boundary()).map(|edge| edge.ends) {
+        curves.join(a, b);
+        (on_boundary[a as usize], on_boundary[b as usize]) = (true, true);
     }
-    let branched = (0..mesh.points.len() as u32).filter(|&v| excess[v as usize] != 0);
-    let branched: FxHashSet<u32> = branched.map(|v| parts.root(v)).collect();
-    loops.iter().filter(|vertices| !branched.contains(&parts.root(vertices[0]))).count() + branched.len()
+    curves.count() - on_boundary.iter().filter(|is_on| !**is_on).count()
 }
 
 fn components(mesh: &Mesh) -> usize {
@@ -182,6 +176,12 @@ mod tests {
             for numbers in [[0, 1], [1, 0]] {
                 assert_eq!(Connectivity::of(&book(pages, numbers)).topology.boundary_loops, 1, "{pages} pages");
             }
+        }
+        // Those of two triangles that touch at a vertex are one.
+        for petals in [[0, 1, 2, 0, 3, 4], [4, 3, 2, 4, 1, 0]] {
+            let mut flower = Mesh::new(vec![[0.0; 3]; 5]);
+            petals.chunks(3).for_each(|petal| flower.push_face(petal));
+            assert_eq!(Connectivity::of(&flower).topology.boundary_loops, 1);
         }
         // Two that do not touch are two, and those of a strip of two squares are one.
         let mut two = book(3, [0, 1]);
