@@ -38,6 +38,7 @@ use crate::mesh::check::Faults;
 use crate::mesh::compare::Difference;
 use crate::mesh::connect::{ConnectOptions, connect};
 use crate::mesh::connectivity::{ConnectivityOptions, EditCounts, Quads, optimise, quadrangulate, untangle};
+use crate::mesh::cover::cover;
 use crate::mesh::fill::{Holes, fill};
 use crate::mesh::finish::{Finished, finish, joined};
 use crate::mesh::relocate::{relocate, relocate_about};
@@ -320,14 +321,13 @@ fn meshed(
         // The search for them was ended too.
         opposed = mesh.opposed_faces(&context);
     }
-    let mut finished = finish(&context, &mesh, &opposed, mosaic, triangulation);
-    let wrong = |finished: &Finished| finished.faults.list.len() + finished.differences.len();
-    if has_discs && wrong(&finished) > 0 && !is_late {
-        context.let_nearest_decide(false);
+    let mut finished = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
+    if has_discs && (1..=FEW).contains(&finished.wrong()) && !is_late {
+        context.let_nearest_decide(&without_discs, &[]);
         let mut other_edits = edits_before;
         let (mesh, opposed) = settled(&mut context, without_discs, connectivity, options.smoothing, &mut other_edits);
-        let other = finish(&context, &mesh, &opposed, mosaic, triangulation);
-        if wrong(&other) < wrong(&finished) {
+        let other = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
+        if other.wrong() < finished.wrong() {
             (finished, edits) = (other, other_edits);
         }
     }
@@ -351,7 +351,7 @@ fn settled(
     if let (Some(connectivity), Some(edits)) = (connectivity, edits)
         && (1..=mesh.faces().count() / THIN).contains(&opposed.len())
     {
-        context.let_nearest_decide(true);
+        context.let_nearest_decide(&mesh, &opposed);
         untangle_and_relocate(context, &mut mesh, &connectivity, passes, edits);
         mesh = mesh.compacted();
         let left = mesh.faults(context);
@@ -364,6 +364,26 @@ fn settled(
     (mesh, opposed)
 }
 
+/// Finishes a mesh whose opposed faces are listed, and covers the parts of the surface that it misses where this is better.
+fn completed(
+    context: &Context,
+    mut mesh: SurfaceMesh,
+    opposed: &[u32],
+    mosaic: &Mosaic,
+    triangulation: &Triangulation,
+    passes: usize,
+) -> Finished {
+    let finished = finish(context, &mesh, opposed, mosaic, triangulation);
+    let is_uncovered = |difference: &Difference| matches!(difference, Difference::Uncovered { .. });
+    if passes == 0 || !finished.differences.iter().any(is_uncovered) || !cover(context, &mut mesh) {
+        return finished;
+    }
+    let covered = finish(context, &mesh, &mesh.opposed_faces(context), mosaic, triangulation);
+    if covered.wrong() < finished.wrong() { covered } else { finished }
+}
+
+/// Discs are not the cause of more faults than these.
+const FEW: usize = 4;
 /// Where a larger share of the faces than one in so many is nearer to an opposite sheet, the surface is thinner than its tiles
 /// throughout, and edits would only spoil shapes.
 const THIN: usize = 100;

@@ -216,9 +216,27 @@ pub(crate) fn differences_from(mesh: Topology, surface: &Surface) -> Vec<Differe
     differences(mesh, reference)
 }
 
-/// The vertex or middle of a triangle of the surface farthest from the mesh, unit-sized, that was made of it; `None` where that
-/// is no farther than a mean edge length.
+/// The point that is the farthest of [`uncovered_points`]; `None` where there is none.
 pub(crate) fn uncovered(mesh: &Mesh, surface: &Surface) -> Option<Difference> {
+    let farthest = *uncovered_points(mesh, surface).first()?;
+    Difference::uncovered(Farthest { at: surface.frame().near(farthest.point.to_array()), distance: farthest.distance })
+}
+
+/// A point of a surface that is farther than a mean edge length from a mesh.
+#[derive(Clone, Copy)]
+pub(crate) struct UncoveredPoint {
+    /// In mean edge lengths of the mesh.
+    pub distance: f64,
+    /// The mean edge length.
+    pub edge: f64,
+    pub point: DVec3,
+    /// A triangle of the surface that has it.
+    pub triangle: u32,
+}
+
+/// The vertices and middles of triangles of a surface that are farther than a mean edge length from a mesh, unit-sized, that was made of
+/// it, the farthest first.
+pub(crate) fn uncovered_points(mesh: &Mesh, surface: &Surface) -> Vec<UncoveredPoint> {
     let lengths = || mesh.faces().flat_map(sides).map(|[a, b]| mesh.place(a).distance(mesh.place(b)));
     let edge = lengths().sum::<f64>() / lengths().count().max(1) as f64;
     // Most points of the surface have a vertex of the mesh nearby; the distance of the others is measured.
@@ -249,8 +267,16 @@ pub(crate) fn uncovered(mesh: &Mesh, surface: &Surface) -> Option<Difference> {
         None => triangles(mesh).map(|corners| squared_distance(p, corners)).fold(f64::INFINITY, f64::min).sqrt(),
     };
     let measured = far.par_iter().map(|&k| (distance(point(k)) / edge, k));
-    let (distance, k) = measured.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
-    Difference::uncovered(Farthest { distance, at: surface.frame().near(point(k).to_array()) })
+    let mut uncovered: Vec<(f64, usize)> = measured.filter(|(distance, _)| *distance > UNCOVERED).collect();
+    uncovered.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let triangle = |k: usize| {
+        let has = |corners: &[u32; 3]| corners.contains(&(k as u32));
+        k.checked_sub(vertices).or_else(|| surface.triangles.iter().position(has)).unwrap_or_default() as u32
+    };
+    uncovered
+        .iter()
+        .map(|&(distance, k)| UncoveredPoint { distance, edge, point: point(k), triangle: triangle(k) })
+        .collect()
 }
 
 /// The edges of a boundary that was to be kept which are no boundary edges of a mesh; `None` where all are. `vertices` has the mesh's

@@ -10,6 +10,7 @@ pub mod check;
 pub mod compare;
 pub mod connect;
 pub mod connectivity;
+pub(crate) mod cover;
 pub mod fill;
 pub mod finish;
 pub(crate) mod incidence;

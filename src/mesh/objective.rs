@@ -13,7 +13,7 @@ use super::metric::{MetricMap, to_metric};
 use super::orientation::{self, Orientation};
 use super::quality::{quad_shape, scaled_jacobian, triangle_shape};
 use super::surface_mesh::SurfaceMesh;
-use super::vertex::{Place, walked};
+use super::vertex::Place;
 use crate::progress::Progress;
 use crate::surface::{Curve, Surface, shared_curves};
 use glam::DVec3;
@@ -48,6 +48,8 @@ const CHORD_LOSS: f64 = 1.5;
 /// The loss for the squared distance beyond the tolerance.
 const EXCESS_CHORD_LOSS: f64 = 20.0;
 
+/// The distance, in edges, within which the mending of a face changes others.
+const MENDING_DISTANCE: f64 = 8.0;
 /// The loss of a chord at the tolerated distance.
 pub(crate) const TOLERATED_CHORD_LOSS: f64 = CHORD_LOSS * CHORD_TOLERANCE;
 
@@ -61,9 +63,13 @@ pub struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// Whether from now on the triangles nearest to a face decide whether it is inverted, whatever sheet it was made on.
-    pub(crate) fn let_nearest_decide(&mut self, nearest_decides: bool) {
-        self.orientation.let_nearest_decide(nearest_decides);
+    /// From now on the triangles nearest to a face decide whether it is inverted, whatever sheet it was made on, about these faces and
+    /// those that their mending can change.
+    pub(crate) fn let_nearest_decide(&mut self, mesh: &SurfaceMesh, faces: &[u32]) {
+        let corners = || faces.iter().map(|&face| mesh.face(face));
+        let middle = |face: &[u32]| face.iter().map(|&v| mesh.point(v)).sum::<DVec3>() / face.len() as f64;
+        let longest = corners().flatten().map(|&v| mesh.mean_edge_at(v)).fold(0.0, f64::max);
+        self.orientation.let_nearest_decide(corners().map(middle), MENDING_DISTANCE * longest);
     }
 
     /// The context of a surface.
@@ -236,17 +242,10 @@ impl SurfaceMesh {
         (0..self.face_bound() as u32).into_par_iter().with_min_len(1024).filter(is_opposed).collect()
     }
 
-    /// Whether the normal of a face points against the triangles nearest to its middle, of all sheets.
     fn opposes_nearest(&self, context: &Context, face: u32) -> bool {
         let corners = self.face(face);
         let points: Vec<DVec3> = corners.iter().map(|&v| self.point(v)).collect();
-        let (normal, middle) = (orientation::normal(&points), orientation::middle(&points));
-        // The point below the middle on the face's own sheet bounds the distance of the search.
-        let Some(&v) = corners.iter().find(|&&v| self.vertex(v).is_free()) else {
-            return context.orientation.nearest_sheets(normal, middle).are_opposed;
-        };
-        let below = walked(context.surface, self.vertex(v).triangles[0], self.point(v), middle);
-        context.orientation.opposes_nearest(normal, middle, below.point.distance(middle))
+        context.orientation.opposes(&points, corners.iter().map(|&v| self.vertex(v).triangles))
     }
 
     /// The faces that are inverted, concave or without area.

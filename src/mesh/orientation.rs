@@ -10,9 +10,11 @@
 //! Give the triangles at the corners where they are known: this is faster, and it decides on parts thinner than a face, where
 //! the nearest sheet can be the opposite one.
 
+use super::vertex::walked;
 use crate::surface::nearest::{EQUALLY_NEAR, Triangles, nearest_weights};
 use crate::surface::{NONE, Surface};
-use glam::DVec3;
+use glam::{DVec3, IVec3};
+use rustc_hash::FxHashSet;
 use std::iter::zip;
 
 /// The cosine of the largest angle between a face and the sheets at its corners that needs no search: 60 degrees.
@@ -26,18 +28,34 @@ const BACK: f32 = -0.98;
 pub(crate) struct Orientation<'a> {
     surface: &'a Surface,
     triangles: Triangles,
-    /// Whether the nearest triangles decide, whatever sheets are known at the corners of a face.
-    nearest_decides: bool,
+    /// Where the nearest triangles decide, whatever sheets are known at the corners of a face: cubes of a grid.
+    nearest_decide: FxHashSet<IVec3>,
+    /// The side of the cubes.
+    side: f64,
 }
 
 impl<'a> Orientation<'a> {
     pub(crate) fn new(surface: &'a Surface) -> Self {
-        Self { surface, triangles: Triangles::new(surface), nearest_decides: false }
+        Self { surface, triangles: Triangles::new(surface), nearest_decide: FxHashSet::default(), side: 1.0 }
     }
 
-    /// Whether from now on the nearest triangles decide, whatever sheets are known at the corners of a face.
-    pub(crate) fn let_nearest_decide(&mut self, nearest_decides: bool) {
-        self.nearest_decides = nearest_decides;
+    /// From now on, for faces whose middles are within `distance` of one of these points, and some that are farther, the nearest
+    /// triangles decide, whatever sheets are known at their corners; for no others.
+    pub(crate) fn let_nearest_decide(&mut self, about: impl Iterator<Item = DVec3>, distance: f64) {
+        self.side = distance.max(f64::MIN_POSITIVE);
+        let around = |point: DVec3| {
+            let centre = self.cube(point);
+            (0..27).map(move |k| centre + IVec3::new(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1))
+        };
+        self.nearest_decide = about.flat_map(around).collect();
+    }
+
+    fn cube(&self, point: DVec3) -> IVec3 {
+        (point / self.side).floor().as_ivec3()
+    }
+
+    fn nearest_decide_at(&self, point: DVec3) -> bool {
+        !self.nearest_decide.is_empty() && self.nearest_decide.contains(&self.cube(point))
     }
 
     /// The tree of the surface's triangles.
@@ -47,12 +65,22 @@ impl<'a> Orientation<'a> {
 
     /// Whether a face with these corners, counter-clockwise and unit-sized, is inverted. `sheets` names the triangles of the
     /// surface on the two sides of each corner, [`NONE`] where they are unknown.
-    pub(crate) fn is_inverted(&self, corners: &[DVec3], sheets: impl Iterator<Item = [u32; 2]>) -> bool {
+    pub(crate) fn is_inverted(&self, corners: &[DVec3], sheets: impl Iterator<Item = [u32; 2]> + Clone) -> bool {
         let normal = normal(corners);
         // A face that is removed or has no area opposes nothing; a search from the centre of a ball would look at all of its triangles.
         normal != DVec3::ZERO
-            && (self.nearest_decides || !self.agrees(normal, sheets))
-            && self.nearest_sheets(normal, middle(corners)).are_opposed
+            && (self.nearest_decide_at(middle(corners)) || !self.agrees(normal, sheets.clone()))
+            && self.opposes(corners, sheets)
+    }
+
+    /// Whether the normal of a face points against the triangles nearest to its middle. A walk from a corner whose sheet is known
+    /// bounds the search.
+    pub(crate) fn opposes(&self, corners: &[DVec3], sheets: impl Iterator<Item = [u32; 2]>) -> bool {
+        let (normal, middle) = (normal(corners), middle(corners));
+        let inside = zip(corners, sheets).find(|(_, [a, b])| *a != NONE && a == b);
+        let Some((&corner, [triangle, _])) = inside else { return self.nearest_sheets(normal, middle).are_opposed };
+        let below = walked(self.surface, triangle, corner, middle);
+        self.opposes_nearest(normal, middle, below.point.distance(middle))
     }
 
     /// Whether a sheet is known at a corner of a face, and all known sheets agree with its normal.
@@ -73,7 +101,7 @@ impl<'a> Orientation<'a> {
 
     /// Whether the normal of a face points against the triangles nearest to its middle. `distance` is an upper bound of their
     /// distance.
-    pub(crate) fn opposes_nearest(&self, normal: DVec3, middle: DVec3, distance: f64) -> bool {
+    fn opposes_nearest(&self, normal: DVec3, middle: DVec3, distance: f64) -> bool {
         let unit = normal.normalize_or_zero();
         let found: Vec<u32> = self.triangles().within(middle, distance + EQUALLY_NEAR).collect();
         let cosine = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3().dot(unit);
@@ -140,7 +168,7 @@ mod tests {
         surface([square(0.0), square(apart)].concat(), vec![[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]])
     }
 
-    fn unknown() -> impl Iterator<Item = [u32; 2]> {
+    fn unknown() -> impl Iterator<Item = [u32; 2]> + Clone {
         [[NONE; 2]; 3].into_iter()
     }
 
@@ -193,7 +221,9 @@ mod tests {
             // Its middle lies beyond the edge, which is nearest.
             let face = [at(0.9, 0.3), at(1.3, 0.3), at(1.3, 0.6), at(0.9, 0.6)];
             assert!(!orientation.is_inverted(&face, [[0; 2]; 4].into_iter()), "its corners are on the floor");
-            orientation.let_nearest_decide(true);
+            orientation.let_nearest_decide([at(0.1, 0.3)].into_iter(), 0.1);
+            assert!(!orientation.is_inverted(&face, [[0; 2]; 4].into_iter()), "its middle is far from there");
+            orientation.let_nearest_decide([middle(&face)].into_iter(), 0.1);
             assert_eq!(orientation.is_inverted(&face, [[0; 2]; 4].into_iter()), is_inverted, "the foot at {foot}");
         }
     }

@@ -140,7 +140,7 @@ impl Triangles {
         let ids = move |slice: &'_ Slice| {
             slice.tree.within(point, distance).map(|found| slice.ids[found.id as usize]).collect::<Vec<u32>>()
         };
-        self.0.iter().flat_map(ids)
+        self.0.iter().filter(move |slice| slice.tree.off(point) <= distance).flat_map(ids)
     }
 }
 

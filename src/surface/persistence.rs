@@ -48,6 +48,10 @@ const NEAR: f64 = 1.5;
 const ROUGHNESS: f64 = 0.5;
 /// The distance between the points of a crease at which turns and roughness are measured, in tile sides.
 const SPACING: f64 = 0.25;
+/// The most such points of all creases: their distance grows where slivers have more creases than tiles can follow.
+const MOST_POINTS: f64 = 100_000.0;
+/// ... or so many for each tile, where this is more.
+const POINTS_PER_TILE: f64 = 16.0;
 
 /// The features that persist, and the creases that do not.
 pub(super) struct Persistent {
@@ -64,7 +68,7 @@ pub(super) fn persistent(surface: &Surface, options: &FeatureOptions, side: f64,
         let ends = [surface.origin(h), surface.target(h)];
         sides.map_or(side, |sides| ends.map(|v| sides[v as usize]).iter().sum::<f64>() / 2.0)
     };
-    let mut pieces = Pieces::new(surface, options, side_along);
+    let mut pieces = Pieces::new(surface, options, side, side_along);
     let mut creases: Vec<(Reason, Vec<(u32, f32)>)> = Vec::new();
     pieces.drop_weak(&mut creases);
     if !options.every_crease {
@@ -99,6 +103,7 @@ fn measured(
     half_edges: &[u32],
     side_along: impl Fn(u32) -> f64,
     most_reach: f64,
+    spacing: f64,
 ) -> (Vec<(u32, f32)>, f64) {
     // The rest of the distance to the next measured point, in tile sides, and the turn at the last one.
     let (mut rest, mut last, mut sum) = (0.0, 0.0, 0.0);
@@ -109,9 +114,9 @@ fn measured(
         let (mut at, mut first) = (0.0, None);
         while at < length {
             if rest <= 0.0 {
-                let middle = at + (length - at).min(SPACING) / 2.0;
+                let middle = at + (length - at).min(spacing) / 2.0;
                 last = turn(surface, h, (middle / length) as f32, reach).to_degrees();
-                rest = SPACING;
+                rest = spacing;
             }
             let step = rest.min(length - at);
             sum += weight(last) * step;
@@ -149,23 +154,27 @@ struct Pieces<'a> {
 }
 
 impl<'a> Pieces<'a> {
-    fn new(surface: &'a Surface, options: &FeatureOptions, side_along: impl Fn(u32) -> f64 + Sync) -> Self {
+    fn new(surface: &'a Surface, options: &FeatureOptions, side: f64, side_along: impl Fn(u32) -> f64 + Sync) -> Self {
         let cos_corner = options.corner.to_radians().cos();
         let most_reach = MOST_REACH * surface.area().sqrt();
+        let length = |curve: &Curve| curve.half_edges.iter().map(|&h| surface.length(h) / side_along(h)).sum::<f64>();
+        let curves = surface.features.curves();
+        let most_points = MOST_POINTS.max(POINTS_PER_TILE * surface.area() / side.powi(2));
+        let spacing = SPACING.max(curves.iter().map(length).sum::<f64>() / most_points);
         let mut pieces =
             Self { surface, cos_corner, list: Vec::new(), at: FxHashMap::default(), queue: BinaryHeap::new() };
         let piece = |curve: &Curve| {
             let is_kept = |&h: &u32| surface.twin(h).is_none() || surface.is_named(h);
             let may_go = !curve.half_edges.iter().any(is_kept);
-            let length = curve.half_edges.iter().map(|&h| surface.length(h) / side_along(h)).sum();
+            let length = length(curve);
             let (edges, persistence) = match may_go && !options.every_crease {
-                true => measured(surface, &curve.half_edges, &side_along, most_reach),
+                true => measured(surface, &curve.half_edges, &side_along, most_reach, spacing),
                 false => (curve.half_edges.iter().map(|&h| (h, 180.0)).collect(), MOST_WEIGHT * length),
             };
             let ends = (!curve.closed).then(|| [curve.vertices[0], curve.vertices[curve.vertices.len() - 1]]);
             Piece { ends, edges, length, persistence, roughness: 0.0, may_go }
         };
-        let list: Vec<Piece> = surface.features.curves().par_iter().map(piece).collect();
+        let list: Vec<Piece> = curves.par_iter().map(piece).collect();
         list.into_iter().for_each(|piece| pieces.add(piece));
         pieces
     }

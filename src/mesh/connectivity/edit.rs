@@ -157,6 +157,13 @@ impl<'a> Edit<'a> {
         self.change.moved.iter().find(|moved| moved.0 == v).map_or_else(|| self.vertex(v).point, |moved| moved.1)
     }
 
+    /// Whether the mesh has all of these vertices where the edit has them.
+    pub(crate) fn leaves(&self, vertices: &[u32]) -> bool {
+        let Change { moved, sheets, .. } = &self.change;
+        let is_changed = |v: u32| moved.iter().any(|moved| moved.0 == v) || sheets.iter().any(|sheets| sheets.0 == v);
+        vertices.iter().all(|&v| v < NEW && !is_changed(v))
+    }
+
     pub(crate) fn is_free(&self, v: u32) -> bool {
         self.vertex(v).is_free()
     }

@@ -9,7 +9,7 @@
 
 use super::super::edit::Edit;
 use super::super::{Engine, Kind};
-use super::untangle::{cut_outline, has_fewer_faults, is_allowed, outline, replaced};
+use super::untangle::{Measures, cut_outline, has_fewer_faults, is_allowed, outline, replaced};
 use crate::mesh::incidence::sides;
 use crate::mesh::vertex::Place;
 use crate::surface::nearest::squared_distance;
@@ -89,6 +89,7 @@ fn caps_of<'e>(engine: &'e Engine, edit: &Edit<'e>, faces: &[u32]) -> Vec<Edit<'
     let off = |v: &u32| edit.point(*v).distance_squared(middle);
     let tip = held.first().copied().or_else(|| inner.iter().copied().max_by(|a, b| off(a).total_cmp(&off(b))));
     let at = |k: usize| outline[k % count];
+    let measures = Measures::new(engine);
     let mut caps: Vec<Vec<Vec<u32>>> = Vec::new();
     if let Some(tip) = tip {
         caps.push((0..count).map(|k| vec![at(k), at(k + 1), tip]).collect());
@@ -99,7 +100,7 @@ fn caps_of<'e>(engine: &'e Engine, edit: &Edit<'e>, faces: &[u32]) -> Vec<Edit<'
         }
     }
     if held.is_empty() {
-        caps.extend(cut_outline(engine, edit, &outline, faces));
+        caps.extend(cut_outline(&measures, edit, &outline, faces));
     }
     let side = (0..count).map(|k| edit.point(at(k)).distance(edit.point(at(k + 1)))).sum::<f64>() / count as f64;
     let points: Vec<glam::DVec3> = inner.iter().map(|&v| edit.point(v)).collect();
@@ -108,7 +109,7 @@ fn caps_of<'e>(engine: &'e Engine, edit: &Edit<'e>, faces: &[u32]) -> Vec<Edit<'
         are_near(&points, &faces.collect::<Vec<_>>(), FARTHEST * side)
     };
     let edits = caps.iter().filter(|cap| is_near(cap)).map(|cap| replaced(edit, faces, cap));
-    edits.filter(|edit| has_fewer_faults(engine, edit) && is_allowed(engine, edit)).collect()
+    edits.filter(|edit| has_fewer_faults(&measures, edit) && is_allowed(engine, edit)).collect()
 }
 
 /// Whether all points lie within a distance of faces.

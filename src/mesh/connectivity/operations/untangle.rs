@@ -12,8 +12,36 @@ use super::super::{Engine, Kind, Quads};
 use super::recut::{collapsed, flipped, recut, split};
 use super::walk;
 use crate::mesh::incidence::sides;
+use crate::mesh::objective::Measure;
 use crate::mesh::polygon;
 use crate::mesh::vertex::Place;
+use crate::surface::NONE;
+use rustc_hash::FxHashMap;
+use std::cell::RefCell;
+
+/// The measures of the faces that edits about one face propose, many of them again and again.
+pub(super) struct Measures<'a, 'e> {
+    pub engine: &'a Engine<'e>,
+    /// Those whose vertices the mesh has, where they are.
+    known: RefCell<FxHashMap<[u32; 4], Measure>>,
+}
+
+impl<'a, 'e> Measures<'a, 'e> {
+    pub fn new(engine: &'a Engine<'e>) -> Self {
+        Self { engine, known: RefCell::default() }
+    }
+
+    /// The measure of a face of three or four corners.
+    fn of(&self, edit: &Edit, corners: &[u32]) -> Measure {
+        let measure = || edit.measure_of(self.engine.context, corners);
+        if !edit.leaves(corners) {
+            return measure();
+        }
+        let mut key = [NONE; 4];
+        key[..corners.len()].copy_from_slice(corners);
+        *self.known.borrow_mut().entry(key).or_insert_with(measure)
+    }
+}
 
 /// The single edits about a fault.
 pub(super) fn once<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
@@ -24,11 +52,12 @@ pub(super) fn once<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
 
 /// The pairs of edits about a fault, each pair as one edit.
 pub(super) fn twice<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
+    let measures = Measures::new(engine);
     let mut edits: Vec<(Kind, Edit)> = Vec::new();
     for (kind, edit) in recuts_and_collapses(&Edit::new(engine.mesh), face) {
         let faces: Vec<u32> = edit.changed().filter(|(_, corners)| !corners.is_empty()).map(|(face, _)| face).collect();
         let again = faces.into_iter().flat_map(|face| recuts_and_collapses(&edit, face));
-        let again = again.filter(|edit| has_fewer_faults(engine, &edit.1));
+        let again = again.filter(|edit| has_fewer_faults(&measures, &edit.1));
         edits.extend(again.map(|(_, edit)| (kind, edit)).filter(|(_, edit)| is_allowed(engine, edit)));
     }
     edits
@@ -36,7 +65,7 @@ pub(super) fn twice<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> 
 
 /// The recuts of the union of a fault with one or two of the faces beside it, each the cut into quads and triangles of least cost.
 pub(super) fn unions<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)> {
-    let edit = Edit::new(engine.mesh);
+    let (measures, edit) = (Measures::new(engine), Edit::new(engine.mesh));
     let beside = |face: u32| -> Vec<u32> { sides(edit.face(face)).filter_map(|[a, b]| edit.across(a, b)).collect() };
     let first = beside(face);
     let mut sets: Vec<Vec<u32>> = first.iter().map(|&other| vec![face, other]).collect();
@@ -44,19 +73,19 @@ pub(super) fn unions<'e>(engine: &'e Engine, face: u32) -> Vec<(Kind, Edit<'e>)>
         let second = first[k + 1..].iter().copied().chain(beside(other));
         sets.extend(second.filter(|third| ![face, other].contains(third)).map(|third| vec![face, other, third]));
     }
-    let cut = |set: Vec<u32>| recut_union(engine, &edit, &set).filter(|edit| is_allowed(engine, edit));
+    let cut = |set: Vec<u32>| recut_union(&measures, &edit, &set).filter(|edit| is_allowed(engine, edit));
     sets.into_iter().filter_map(cut).map(|edit| (Kind::Flip, edit)).collect()
 }
 
 /// The edit that recuts the union of faces; `None` unless that is a simple polygon with a cut of its own.
-fn recut_union<'e>(engine: &Engine, edit: &Edit<'e>, set: &[u32]) -> Option<Edit<'e>> {
+fn recut_union<'e>(measures: &Measures, edit: &Edit<'e>, set: &[u32]) -> Option<Edit<'e>> {
     let outline = outline(edit, set)?;
     let inner_sides = set.iter().map(|&face| edit.face(face).len()).sum::<usize>() - outline.len();
     if inner_sides != 2 * (set.len() - 1) {
         return None;
     }
-    let result = replaced(edit, set, &cut_outline(engine, edit, &outline, set)?);
-    has_fewer_faults(engine, &result).then_some(result)
+    let result = replaced(edit, set, &cut_outline(measures, edit, &outline, set)?);
+    has_fewer_faults(measures, &result).then_some(result)
 }
 
 /// The outline of the union of faces, counter-clockwise; `None` unless it is one simple polygon.
@@ -72,14 +101,14 @@ pub(super) fn outline(edit: &Edit, set: &[u32]) -> Option<Vec<u32>> {
 }
 
 /// The cut of least cost of an outline of faces into quads and triangles.
-pub(super) fn cut_outline(engine: &Engine, edit: &Edit, outline: &[u32], set: &[u32]) -> Option<Vec<Vec<u32>>> {
+pub(super) fn cut_outline(measures: &Measures, edit: &Edit, outline: &[u32], set: &[u32]) -> Option<Vec<Vec<u32>>> {
     /// The cost of a fault, in perfect quads.
     const FAULT: f64 = 10.0;
     let corners = |places: &[usize]| places.iter().map(|&k| outline[k]).collect::<Vec<u32>>();
     let cost = |places: &[usize]| {
-        let measure = edit.measure_of(engine.context, &corners(places));
+        let measure = measures.of(edit, &corners(places));
         let fault = if measure.is_fault { FAULT } else { 0.0 };
-        fault + measure.score(engine.options.triangle_price).loss
+        fault + measure.score(measures.engine.options.triangle_price).loss
     };
     let chord = |i: usize, j: usize| {
         let [a, b] = [outline[i], outline[j]];
@@ -108,11 +137,11 @@ pub(super) fn replaced<'e>(edit: &Edit<'e>, set: &[u32], faces: &[Vec<u32>]) -> 
 
 /// Whether fewer of the changed faces are faults than before before the vertices relax: a quick test, as edits in two
 /// steps are many.
-pub(super) fn has_fewer_faults(engine: &Engine, edit: &Edit) -> bool {
+pub(super) fn has_fewer_faults(measures: &Measures, edit: &Edit) -> bool {
     let old = edit.changed().filter(|(face, _)| !edit.before(*face).is_empty());
-    let before = old.filter(|(face, _)| engine.is_fault(*face)).count();
+    let before = old.filter(|(face, _)| measures.engine.is_fault(*face)).count();
     let new = edit.changed().filter(|(_, corners)| !corners.is_empty());
-    new.filter(|(face, _)| edit.measure(engine.context, *face).is_fault).take(before).count() < before
+    new.filter(|(_, corners)| measures.of(edit, corners).is_fault).take(before).count() < before
 }
 
 /// Whether an edit is sound, and adds no triangle with [`Quads::All`].
