@@ -103,7 +103,7 @@ impl<'a> Orientation<'a> {
     /// distance.
     fn opposes_nearest(&self, normal: DVec3, middle: DVec3, distance: f64) -> bool {
         let unit = normal.normalize_or_zero();
-        let found: Vec<u32> = self.triangles().within(middle, distance + EQUALLY_NEAR).collect();
+        let found = self.triangles().within(middle, distance + EQUALLY_NEAR);
         let cosine = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3().dot(unit);
         if found.iter().all(|&triangle| cosine(triangle) >= -PERPENDICULAR) {
             return false;

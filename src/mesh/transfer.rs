@@ -7,7 +7,7 @@
 
 use super::Mesh;
 use crate::surface::nearest::{Triangles, nearest_weights};
-use crate::surface::{Attribute, AttributeKind, Soup};
+use crate::surface::{Attribute, AttributeKind, Frame, Soup};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -30,13 +30,20 @@ pub struct Source {
 /// The triangles of an input that can be meshed, in a tree.
 pub struct SourceTree<'a> {
     soup: &'a Soup,
+    /// The tree has unit-sized coordinates.
+    frame: Frame,
     triangles: Triangles,
 }
 
 impl<'a> SourceTree<'a> {
     /// Sorts the triangles.
     pub fn new(soup: &'a Soup) -> Self {
-        Self { soup, triangles: Triangles::of(soup.triangles.len() as u32, |t| corners(soup, t)) }
+        let used = || (0..soup.triangles.len() as u32).flat_map(|t| corners(soup, t));
+        let (low, high) = (used().fold(DVec3::INFINITY, DVec3::min), used().fold(DVec3::NEG_INFINITY, DVec3::max));
+        let frame = Frame::of_box(low, high);
+        let unit = |p: DVec3| DVec3::from(frame.to_unit(p.into()));
+        let triangles = Triangles::of(soup.triangles.len() as u32, |t| corners(soup, t).map(unit));
+        Self { soup, frame, triangles }
     }
 
     /// The places of points, in model units.
@@ -45,7 +52,7 @@ impl<'a> SourceTree<'a> {
     }
 
     fn source(&self, point: DVec3) -> Source {
-        let (triangle, _) = self.triangles.nearest(point);
+        let (triangle, _) = self.triangles.nearest(self.frame.to_unit(point.into()).into());
         Source { triangle, barycentric: nearest_weights(point, corners(self.soup, triangle)) }
     }
 

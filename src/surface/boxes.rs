@@ -1,12 +1,13 @@
-//! A tree of the bounding boxes of triangles, for pairs that may touch.
+//! A tree of the bounding boxes of triangles, for pairs that may touch and for the triangles near a point.
 //!
 //! # Theory
 //! Lauterbach et al., "Fast BVH construction on GPUs", 2009: triangles in the order of a space-filling curve are the leaves of a
 //! tree. Here it is a complete binary one, so that no pointers are kept.
 
 use crate::progress::{ASKED_EVERY, IsCancelled};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Triangles a leaf.
 const LEAF: usize = 4;
@@ -45,6 +46,11 @@ impl Bounds {
         self.low.cmpgt(outer.low).all() && self.high.cmplt(outer.high).all()
     }
 
+    /// The squared distance of a point.
+    fn squared_distance(&self, point: DVec3) -> f64 {
+        (self.low.as_dvec3() - point).max(point - self.high.as_dvec3()).max(DVec3::ZERO).length_squared()
+    }
+
     fn meets(&self, other: &Self) -> bool {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
     }
@@ -63,8 +69,12 @@ pub(super) struct Boxes {
 impl Boxes {
     /// Sorts triangles in unit-sized coordinates.
     pub fn new(points: &[Vec3], triangles: &[[u32; 3]]) -> Self {
-        let bounds = |t: u32| Bounds::of(&triangles[t as usize].map(|v| points[v as usize]));
-        let mut keys: Vec<(u64, u32)> = (0..triangles.len() as u32)
+        Self::of(triangles.len() as u32, |t| Bounds::of(&triangles[t as usize].map(|v| points[v as usize])))
+    }
+
+    /// Sorts so many triangles, in unit-sized coordinates, that have these boxes.
+    pub fn of(count: u32, bounds: impl Fn(u32) -> Bounds + Sync) -> Self {
+        let mut keys: Vec<(u64, u32)> = (0..count)
             .into_par_iter()
             .map(|t| {
                 let Bounds { low, high } = bounds(t);
@@ -83,6 +93,37 @@ impl Boxes {
             nodes[k] = nodes[2 * k].joined(nodes[2 * k + 1]);
         }
         Self { order, boxes, nodes }
+    }
+
+    /// The triangles, in the order of their places.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// Calls `visit` with the places of triangles whose boxes are no farther from a point than a squared distance, the nearer ones of
+    /// two nodes first; it returns the squared distance from then on.
+    pub fn approach(&self, point: DVec3, mut squared: f64, mut visit: impl FnMut(Range<usize>) -> f64) {
+        let leaves = self.nodes.len() / 2;
+        let mut stack = [(1, self.nodes[1].squared_distance(point)); MOST_WAITING];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let (node, distance) = stack[waiting];
+            if distance > squared {
+                continue;
+            }
+            if node >= leaves {
+                let first = (node - leaves) * LEAF;
+                squared = visit(first..(first + LEAF).min(self.order.len()));
+                continue;
+            }
+            let mut children = [2 * node, 2 * node + 1].map(|child| (child, self.nodes[child].squared_distance(point)));
+            if children[0].1 < children[1].1 {
+                children.swap(0, 1);
+            }
+            stack[waiting..waiting + 2].copy_from_slice(&children);
+            waiting += 2;
+        }
     }
 
     /// Calls `found` for the triangles whose boxes meet this one, from a place in the order on.

@@ -139,6 +139,14 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// The frame of a bounding box, which has an extent.
+    pub(crate) fn of_box(low: DVec3, high: DVec3) -> Self {
+        // Scaled first, so that squares of very small extents do not underflow.
+        let extent = high - low;
+        let largest = extent.max_element();
+        Self { centre: (low + extent / 2.0).into(), diagonal: largest * (extent / largest).length() }
+    }
+
     /// From model units to unit-sized coordinates.
     pub fn to_unit(&self, point: [f64; 3]) -> [f64; 3] {
         ((DVec3::from(point) - DVec3::from(self.centre)) / self.diagonal).into()

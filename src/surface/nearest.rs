@@ -1,6 +1,7 @@
 //! Nearest segments and triangles, in trees of their bounding boxes.
 
 use super::Surface;
+use super::boxes::{Bounds, Boxes};
 use glam::DVec3;
 use rayon::prelude::*;
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
@@ -73,74 +74,57 @@ where
         self.nearest(point).map_or(f64::INFINITY, |(distance, _)| distance)
     }
 
-    /// The distance of the bounding box of all; infinite where there are none.
-    pub fn off(&self, point: DVec3) -> f64 {
-        if self.0.size() == 0 { f64::INFINITY } else { self.0.root().envelope().distance_2(&point.to_array()).sqrt() }
-    }
-
     /// Those that are no farther than this.
     pub fn within(&self, point: DVec3, distance: f64) -> impl Iterator<Item = &Simplex<CORNERS>> {
         self.0.locate_within_distance(point.to_array(), distance * distance)
     }
 }
 
-/// The trees that hold a surface's triangles: they are built in parallel.
-const TREES: usize = 8;
-
-/// The triangles of a surface, slice by slice along its longest axis.
-pub(crate) struct Triangles(Vec<Slice>);
-
-struct Slice {
-    tree: Simplices<3>,
-    /// The triangles' ids.
-    ids: Vec<u32>,
+/// The triangles of a surface, in a tree.
+pub(crate) struct Triangles {
+    boxes: Boxes,
+    /// The corners of each, in the order of the tree.
+    corners: Vec<[DVec3; 3]>,
 }
 
 impl Triangles {
-    /// Sorts the triangles of a surface into trees.
+    /// Sorts the triangles of a surface into a tree.
     pub fn new(surface: &Surface) -> Self {
         Self::of(surface.triangle_count() as u32, |t| surface.corners(t as usize).map(|p| p.as_dvec3()))
     }
 
-    /// Sorts so many finite triangles into trees.
+    /// Sorts so many finite triangles, in unit-sized coordinates, into a tree.
     pub fn of(count: u32, corners: impl Fn(u32) -> [DVec3; 3] + Sync) -> Self {
-        let all = || (0..count).flat_map(&corners);
-        let (low, high) = (all().fold(DVec3::INFINITY, DVec3::min), all().fold(DVec3::NEG_INFINITY, DVec3::max));
-        let axis = (high - low).max_position();
-        let mut along: Vec<(f64, u32)> =
-            (0..count).map(|t| (corners(t).map(|corner| corner[axis]).into_iter().sum(), t)).collect();
-        along.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let slice = |slice: &[(f64, u32)]| {
-            let ids: Vec<u32> = slice.iter().map(|&(_, t)| t).collect();
-            Slice { tree: Simplices::new(ids.iter().map(|&t| corners(t))), ids }
-        };
-        Self(along.par_chunks(along.len().div_ceil(TREES).max(1)).map(slice).collect())
+        // Coordinates that f32 does not have are rounded.
+        let boxes = Boxes::of(count, |t| Bounds::of(&corners(t).map(|p| p.as_vec3())).grown(f32::EPSILON));
+        let corners = boxes.order().par_iter().map(|&t| corners(t)).collect();
+        Self { boxes, corners }
     }
 
     /// The triangle nearest to a point, and its distance.
     pub fn nearest(&self, point: DVec3) -> (u32, f64) {
-        let mut best = (u32::MAX, f64::INFINITY);
-        let mut slices: Vec<(f64, &Slice)> = self.0.iter().map(|slice| (slice.tree.off(point), slice)).collect();
-        slices.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        for (off, Slice { tree, ids }) in slices {
-            if off > best.1 {
-                break;
+        let (mut best, mut squared) = (u32::MAX, f64::INFINITY);
+        self.boxes.approach(point, squared, |places| {
+            for place in places {
+                let distance = squared_distance(point, self.corners[place]);
+                if distance < squared {
+                    (best, squared) = (self.boxes.order()[place], distance);
+                }
             }
-            if let Some((distance, triangle)) = tree.nearest(point)
-                && distance < best.1
-            {
-                best = (ids[triangle.id as usize], distance);
-            }
-        }
-        best
+            squared
+        });
+        (best, squared.sqrt())
     }
 
     /// The triangles that are no farther than this from a point.
-    pub fn within(&self, point: DVec3, distance: f64) -> impl Iterator<Item = u32> {
-        let ids = move |slice: &'_ Slice| {
-            slice.tree.within(point, distance).map(|found| slice.ids[found.id as usize]).collect::<Vec<u32>>()
-        };
-        self.0.iter().filter(move |slice| slice.tree.off(point) <= distance).flat_map(ids)
+    pub fn within(&self, point: DVec3, distance: f64) -> Vec<u32> {
+        let (mut found, squared) = (Vec::new(), distance * distance);
+        self.boxes.approach(point, squared, |places| {
+            let near = places.filter(|&place| squared_distance(point, self.corners[place]) <= squared);
+            found.extend(near.map(|place| self.boxes.order()[place]));
+            squared
+        });
+        found
     }
 }
 

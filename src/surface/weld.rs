@@ -137,17 +137,13 @@ fn frame_of(soup: &Soup, used: &[bool]) -> Result<Frame, SurfaceError> {
         }
         (low, high) = (low.min(p), high.max(p));
     }
-    // Scaled first, so that squares of very small extents do not underflow.
-    let extent = high - low;
-    let largest = extent.max_element();
     if soup.triangles.is_empty() {
         return Err(SurfaceError::Empty);
     }
-    if largest <= 0.0 {
+    if (high - low).max_element() <= 0.0 {
         return Err(SurfaceError::NoArea { given: soup.triangles.len() });
     }
-    let diagonal = largest * (extent / largest).length();
-    Ok(Frame { centre: (low + extent / 2.0).into(), diagonal })
+    Ok(Frame::of_box(low, high))
 }
 
 /// The distance, in diagonals, over which coordinates of single precision differ by rounding; 0 for others.
