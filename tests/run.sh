@@ -92,10 +92,16 @@ export QUADMOSAIC_PROGRAM=$PWD/target/release/quadmosaic
 # What cannot be installed is told by the scripts themselves.
 wait "$prepared"
 
-# Programs that are not ours read the formats; a browser shows the pages, and draws on them; the wheel is what a release is made of.
-check formats bash tests/formats.sh
-check page bash tests/page.sh
+# Programs that are not ours read the formats; a browser shows the pages, and draws on them, while the wheel is made, which is what a
+# release is made of.
+{
+    check formats bash tests/formats.sh
+    check page bash tests/page.sh
+} >"$folder/scripts" 2>&1 &
+scripts=$!
 check python bash tests/python.sh
+wait "$scripts"
+cat "$folder/scripts"
 
 # A test that skips itself says so in a line of its own, and
 # cargo counts it as passed: it is taken off there.
@@ -123,7 +129,7 @@ passed=$(($(count passed) + p)) failed=$(($(count failed) + f)) skipped=$(($(cou
 # The end of a long log is what is read: each failure stands there again, with what it said.
 if [ "$failed" -gt 0 ]; then
     sed -n 's/^failed /FAILED /p' "$results"
-    grep -h -E -A 3 '^test .* FAILED$|panicked at|^error' "$log" "$folder/lints"
+    grep -h -E -A 3 '^test .* FAILED$|panicked at|^error' "$log" "$folder/lints" "$folder/scripts"
 fi
 echo "$SECONDS s"
 echo "$passed passed, $failed failed, $skipped skipped"
