@@ -322,7 +322,7 @@ fn meshed(
         opposed = mesh.opposed_faces(&context);
     }
     let mut finished = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
-    if has_discs && (1..=FEW).contains(&finished.wrong()) && !is_late {
+    if has_discs && (1..=MOST_FAULTS_OF_DISCS).contains(&finished.wrong()) && !is_late {
         context.let_nearest_decide(&without_discs, &[]);
         let mut other_edits = edits_before;
         let (mesh, opposed) = settled(&mut context, without_discs, connectivity, options.smoothing, &mut other_edits);
@@ -383,7 +383,7 @@ fn completed(
 }
 
 /// Discs are not the cause of more faults than these.
-const FEW: usize = 4;
+const MOST_FAULTS_OF_DISCS: usize = 4;
 /// Where a larger share of the faces than one in so many is nearer to an opposite sheet, the surface is thinner than its tiles
 /// throughout, and edits would only spoil shapes.
 const THIN: usize = 100;

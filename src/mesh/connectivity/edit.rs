@@ -158,7 +158,7 @@ impl<'a> Edit<'a> {
     }
 
     /// Whether the mesh has all of these vertices where the edit has them.
-    pub(crate) fn leaves(&self, vertices: &[u32]) -> bool {
+    pub(crate) fn keeps(&self, vertices: &[u32]) -> bool {
         let Change { moved, sheets, .. } = &self.change;
         let is_changed = |v: u32| moved.iter().any(|moved| moved.0 == v) || sheets.iter().any(|sheets| sheets.0 == v);
         vertices.iter().all(|&v| v < NEW && !is_changed(v))

@@ -34,7 +34,7 @@ impl<'a, 'e> Measures<'a, 'e> {
     /// The measure of a face of three or four corners.
     fn of(&self, edit: &Edit, corners: &[u32]) -> Measure {
         let measure = || edit.measure_of(self.engine.context, corners);
-        if !edit.leaves(corners) {
+        if !edit.keeps(corners) {
             return measure();
         }
         let mut key = [NONE; 4];
