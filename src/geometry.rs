@@ -2,7 +2,7 @@
 //!
 //! `glam`'s `normalize` multiplies by a reciprocal, which differs from WGSL's in the last bit; these do not.
 
-use glam::Vec3;
+use glam::{IVec3, Vec3};
 
 /// `a · b`, summed left to right.
 #[inline]
@@ -78,6 +78,12 @@ pub(crate) fn scattered(number: u64) -> f32 {
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^= x >> 31;
     (x >> 40) as f32 / (1u64 << 24) as f32
+}
+
+/// A cell of a grid and the 26 that touch it, itself first.
+pub(crate) fn cells_around(cell: IVec3) -> impl Iterator<Item = IVec3> {
+    let offset = |k: i32| IVec3::new(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
+    (0..27).map(move |k| cell + offset((k + 13) % 27))
 }
 
 #[cfg(test)]

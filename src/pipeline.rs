@@ -322,12 +322,12 @@ fn meshed(
         opposed = mesh.opposed_faces(&context);
     }
     let mut finished = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
-    if has_discs && (1..=MOST_FAULTS_OF_DISCS).contains(&finished.wrong()) && !is_late {
+    if has_discs && (1..=MOST_FAULTS_OF_DISCS).contains(&wrong(&finished)) && !is_late {
         context.let_nearest_decide(&without_discs, &[]);
         let mut other_edits = edits_before;
         let (mesh, opposed) = settled(&mut context, without_discs, connectivity, options.smoothing, &mut other_edits);
         let other = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
-        if other.wrong() < finished.wrong() {
+        if wrong(&other) < wrong(&finished) {
             (finished, edits) = (other, other_edits);
         }
     }
@@ -364,6 +364,11 @@ fn settled(
     (mesh, opposed)
 }
 
+/// The number of faults and differences.
+fn wrong(finished: &Finished) -> usize {
+    improve::wrong(&finished.faults, &finished.differences)
+}
+
 /// Finishes a mesh whose opposed faces are listed, and covers the parts of the surface that it misses where this is better.
 fn completed(
     context: &Context,
@@ -379,7 +384,7 @@ fn completed(
         return finished;
     }
     let covered = finish(context, &mesh, &mesh.opposed_faces(context), mosaic, triangulation);
-    if covered.wrong() < finished.wrong() { covered } else { finished }
+    if wrong(&covered) < wrong(&finished) { covered } else { finished }
 }
 
 /// Discs are not the cause of more faults than these.

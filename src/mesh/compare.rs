@@ -12,21 +12,20 @@
 //! edge of more than two faces is not listed as misoriented too, nor a degenerate quad as concave.
 
 use super::check::{Fault, Faults, Kind, check, check_joined, sort};
-use super::incidence::{sides, undirected};
+use super::incidence::undirected;
 use super::orientation::Orientation;
 use super::quality::percentile;
 use super::topology::Connectivity;
+use super::uncovered::{UNCOVERED, fan, uncovered_points};
 use super::{Mesh, Topology};
-use crate::surface::nearest::{Simplices, squared_distance};
+use crate::surface::nearest::Simplices;
 use crate::surface::{Frame, Surface, shown};
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Serialize;
 use std::fmt;
 
-/// A part of the surface that is farther from the mesh than this is missing, in mean edge lengths of the mesh.
-const UNCOVERED: f64 = 1.0;
 /// A vertex that is nearer to a place where sheets of the surface meet, in mean edge lengths, lies on it.
 const ON_JOINT: f64 = 0.25;
 /// A boundary loop of the mesh with a larger mean distance from the boundaries of the surface, in mean edge lengths, is a hole.
@@ -216,67 +215,11 @@ pub(crate) fn differences_from(mesh: Topology, surface: &Surface) -> Vec<Differe
     differences(mesh, reference)
 }
 
-/// The point that is the farthest of [`uncovered_points`]; `None` where there is none.
+/// The point of a surface that is the farthest from a unit-sized mesh that was made of it, where it is missing.
 pub(crate) fn uncovered(mesh: &Mesh, surface: &Surface) -> Option<Difference> {
     let farthest = *uncovered_points(mesh, surface).first()?;
-    Difference::uncovered(Farthest { at: surface.frame().near(farthest.point.to_array()), distance: farthest.distance })
-}
-
-/// A point of a surface that is farther than a mean edge length from a mesh.
-#[derive(Clone, Copy)]
-pub(crate) struct UncoveredPoint {
-    /// In mean edge lengths of the mesh.
-    pub distance: f64,
-    /// The mean edge length.
-    pub edge: f64,
-    pub point: DVec3,
-    /// A triangle of the surface that has it.
-    pub triangle: u32,
-}
-
-/// The vertices and middles of triangles of a surface that are farther than a mean edge length from a mesh, unit-sized, that was made of
-/// it, the farthest first.
-pub(crate) fn uncovered_points(mesh: &Mesh, surface: &Surface) -> Vec<UncoveredPoint> {
-    let lengths = || mesh.faces().flat_map(sides).map(|[a, b]| mesh.place(a).distance(mesh.place(b)));
-    let edge = lengths().sum::<f64>() / lengths().count().max(1) as f64;
-    // Most points of the surface have a vertex of the mesh nearby; the distance of the others is measured.
-    let cell = |p: DVec3| (p / edge).floor().as_ivec3();
-    let mut first: FxHashMap<IVec3, u32> = FxHashMap::default();
-    first.reserve(mesh.points.len());
-    // The next vertex in the same cell.
-    let next: Vec<Option<u32>> = (0..mesh.points.len() as u32).map(|v| first.insert(cell(mesh.place(v)), v)).collect();
-    let is_near = |p: DVec3| {
-        // The own cell, which nearly always has one, is the first.
-        let offsets = (0..27).map(|k| (k + 13) % 27).map(|k| IVec3::new(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1));
-        let firsts = offsets.filter_map(|offset| first.get(&(cell(p) + offset)).copied());
-        let mut vertices = firsts.flat_map(|v| std::iter::successors(Some(v), |&v| next[v as usize]));
-        vertices.any(|v| mesh.place(v).distance_squared(p) < edge * edge)
-    };
-    let vertices = surface.vertex_count();
-    let point = |k: usize| match k.checked_sub(vertices) {
-        None => surface.points[k].as_dvec3(),
-        Some(triangle) => surface.corners(triangle).iter().map(|corner| corner.as_dvec3()).sum::<DVec3>() / 3.0,
-    };
-    let all = (0..vertices + surface.triangle_count()).into_par_iter().with_min_len(1024);
-    let far: Vec<usize> = all.filter(|&k| !is_near(point(k))).collect();
-    // A tree pays where many points ask.
-    const FEW: usize = 16;
-    let tree = (far.len() > FEW).then(|| fan(mesh));
-    let distance = |p: DVec3| match &tree {
-        Some(tree) => tree.distance(p),
-        None => triangles(mesh).map(|corners| squared_distance(p, corners)).fold(f64::INFINITY, f64::min).sqrt(),
-    };
-    let measured = far.par_iter().map(|&k| (distance(point(k)) / edge, k));
-    let mut uncovered: Vec<(f64, usize)> = measured.filter(|(distance, _)| *distance > UNCOVERED).collect();
-    uncovered.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let triangle = |k: usize| {
-        let has = |corners: &[u32; 3]| corners.contains(&(k as u32));
-        k.checked_sub(vertices).or_else(|| surface.triangles.iter().position(has)).unwrap_or_default() as u32
-    };
-    uncovered
-        .iter()
-        .map(|&(distance, k)| UncoveredPoint { distance, edge, point: point(k), triangle: triangle(k) })
-        .collect()
+    let distance = farthest.distance / farthest.edge;
+    Difference::uncovered(Farthest { distance, at: surface.frame().near(farthest.point.to_array()) })
 }
 
 /// The edges of a boundary that was to be kept which are no boundary edges of a mesh; `None` where all are. `vertices` has the mesh's
@@ -375,17 +318,6 @@ impl<'a> ReferenceSurface<'a> {
         let middles = self.mesh.faces().map(|face| self.mesh.middle(face));
         self.mesh.points.iter().map(|&point| DVec3::from(point)).chain(middles).collect()
     }
-}
-
-/// The faces, those of more than three sides as fans about their first vertex.
-fn triangles(mesh: &Mesh) -> impl Iterator<Item = [DVec3; 3]> {
-    mesh.faces()
-        .flat_map(move |face| (2..face.len()).map(move |k| [face[0], face[k - 1], face[k]].map(|v| mesh.place(v))))
-}
-
-/// The tree of [`triangles`].
-fn fan(mesh: &Mesh) -> Simplices<3> {
-    Simplices::new(triangles(mesh))
 }
 
 /// The mesh, in unit-sized coordinates of the surface.

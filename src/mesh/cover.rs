@@ -8,10 +8,10 @@
 //! # Changes versus the paper
 //! The paper does not compare the mesh with the surface.
 
-use super::compare::{UncoveredPoint, uncovered_points};
 use super::objective::Context;
 use super::relocate::Sweeps;
 use super::surface_mesh::SurfaceMesh;
+use super::uncovered::{UncoveredPoint, uncovered_points};
 use super::vertex::{Place, Position};
 use rayon::prelude::*;
 
@@ -19,8 +19,10 @@ use rayon::prelude::*;
 const ROUNDS: usize = 3;
 /// The most tips in a round.
 const MOST_TIPS: usize = 64;
-/// The vertices nearest to a tip that are tried.
+/// The vertices nearest to a tip that are tried, ...
 const NEAREST: usize = 6;
+/// ... and how much farther than the mesh they are, in mean edge lengths.
+const REACH: f64 = 2.0;
 /// The least distance of two tips in a round, in mean edge lengths.
 const TIP_DISTANCE: f64 = 2.0;
 /// Passes of shape matching in a round.
@@ -32,10 +34,11 @@ pub(crate) fn cover(context: &Context, mesh: &mut SurfaceMesh) -> bool {
     for _ in 0..ROUNDS {
         let mut sweeps = Sweeps::new(context, mesh);
         let mut moved = Vec::new();
-        for UncoveredPoint { point, triangle, .. } in tips(context, mesh) {
-            let position = Position { point, place: Place::Free, triangles: [triangle; 2] };
+        for tip in tips(context, mesh) {
+            let triangles = [tip.triangle(context.surface); 2];
+            let position = Position { point: tip.point, place: Place::Free, triangles };
             let is_sound = |v: &u32| sweeps.least_shapes(mesh, *v, &position)[1] > 0.0;
-            let found = nearest(mesh, &position, &is_held).into_iter().find(is_sound);
+            let found = nearest(mesh, &tip, &is_held).into_iter().find(is_sound);
             if let Some(v) = found {
                 sweeps.put(mesh, v, &position);
                 is_held[v as usize] = true;
@@ -68,18 +71,17 @@ fn tips(context: &Context, mesh: &SurfaceMesh) -> Vec<UncoveredPoint> {
     tips
 }
 
-/// The free vertices that are nearest to a position, those left out that `is_held` marks.
-fn nearest(mesh: &SurfaceMesh, position: &Position, is_held: &[bool]) -> Vec<u32> {
-    let may_move = |&v: &u32| mesh.vertex(v).is_free() && !is_held[v as usize];
-    let all = (0..mesh.vertices().len() as u32).into_par_iter().with_min_len(4096).filter(may_move);
-    let mut found: Vec<(f64, u32)> = all.map(|v| (mesh.point(v).distance_squared(position.point), v)).collect();
-    let order = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-    if found.len() > NEAREST {
-        found.select_nth_unstable_by(NEAREST, order);
-        found.truncate(NEAREST);
-    }
-    found.sort_by(order);
-    found.into_iter().map(|(_, v)| v).collect()
+/// The free vertices that are nearest to a tip, those left out that `is_held` marks.
+fn nearest(mesh: &SurfaceMesh, tip: &UncoveredPoint, is_held: &[bool]) -> Vec<u32> {
+    // Those of the nearest face are among them.
+    let reach = tip.distance + REACH * tip.edge;
+    let off = |v: u32| mesh.point(v).distance(tip.point);
+    let may_move = |&v: &u32| mesh.vertex(v).is_free() && !is_held[v as usize] && off(v) <= reach;
+    let all = (0..mesh.vertices().len() as u32).into_par_iter().with_min_len(4096);
+    let mut found: Vec<u32> = all.filter(may_move).collect();
+    found.sort_by(|&a, &b| off(a).total_cmp(&off(b)).then(a.cmp(&b)));
+    found.truncate(NEAREST);
+    found
 }
 
 #[cfg(test)]
@@ -126,7 +128,9 @@ mod tests {
             let surface = horned(height);
             let context = Context::new(&surface);
             let mut mesh = foot(&context);
-            assert!(uncovered_points(&mesh.to_mesh(), &surface)[0].distance > 0.9 * height, "the foot alone");
+            let distance =
+                |mesh: &SurfaceMesh| uncovered_points(&mesh.to_mesh(), &surface)[0].distance * surface.frame().diagonal;
+            assert!(distance(&mesh) > 0.9 * height, "the foot alone");
             assert!(cover(&context, &mut mesh));
             assert!(uncovered_points(&mesh.to_mesh(), &surface).is_empty());
             assert!(mesh.faults(&context).is_empty());

@@ -30,13 +30,6 @@ pub struct Finished {
     pub differences: Vec<Difference>,
 }
 
-impl Finished {
-    /// The number of faults and differences.
-    pub(crate) fn wrong(&self) -> usize {
-        self.faults.list.len() + self.differences.len()
-    }
-}
-
 /// Gives the faces of a compacted mesh their regions, joins its sheets where they meet, and compares the result with the surface.
 /// `opposed` lists the faces that point against the nearest triangles. Cancelled, it compares nothing.
 pub(crate) fn finish(

@@ -31,6 +31,7 @@ mod surface_mesh;
 mod topology;
 pub mod transfer;
 pub mod triangulate;
+mod uncovered;
 mod vertex;
 
 pub use attributes::{VertexAttributes, VertexKind};

@@ -67,7 +67,7 @@ impl<'a> Context<'a> {
     /// those that their mending can change.
     pub(crate) fn let_nearest_decide(&mut self, mesh: &SurfaceMesh, faces: &[u32]) {
         let corners = || faces.iter().map(|&face| mesh.face(face));
-        let middle = |face: &[u32]| face.iter().map(|&v| mesh.point(v)).sum::<DVec3>() / face.len() as f64;
+        let middle = |face: &[u32]| orientation::middle(&face.iter().map(|&v| mesh.point(v)).collect::<Vec<DVec3>>());
         let longest = corners().flatten().map(|&v| mesh.mean_edge_at(v)).fold(0.0, f64::max);
         self.orientation.let_nearest_decide(corners().map(middle), MENDING_DISTANCE * longest);
     }

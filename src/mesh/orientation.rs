@@ -11,6 +11,7 @@
 //! the nearest sheet can be the opposite one.
 
 use super::vertex::walked;
+use crate::geometry::cells_around;
 use crate::surface::nearest::{EQUALLY_NEAR, Triangles, nearest_weights};
 use crate::surface::{NONE, Surface};
 use glam::{DVec3, IVec3};
@@ -43,11 +44,7 @@ impl<'a> Orientation<'a> {
     /// triangles decide, whatever sheets are known at their corners; for no others.
     pub(crate) fn let_nearest_decide(&mut self, about: impl Iterator<Item = DVec3>, distance: f64) {
         self.side = distance.max(f64::MIN_POSITIVE);
-        let around = |point: DVec3| {
-            let centre = self.cube(point);
-            (0..27).map(move |k| centre + IVec3::new(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1))
-        };
-        self.nearest_decide = about.flat_map(around).collect();
+        self.nearest_decide = about.flat_map(|point| cells_around(self.cube(point))).collect();
     }
 
     fn cube(&self, point: DVec3) -> IVec3 {

@@ -6,6 +6,7 @@ use super::clock::Clock;
 use super::prepare::Sizing;
 use super::{Fineness, Meshed, Options, Outcome, PipelineError, attempt};
 use crate::compute::Backend;
+use crate::mesh::check::Faults;
 use crate::mesh::compare::Difference;
 use crate::parametrize::Rows;
 use crate::progress::{Progress, Stage};
@@ -82,6 +83,11 @@ pub(super) fn improve(
     Ok(())
 }
 
+/// The number of faults and differences.
+pub(super) fn wrong(faults: &Faults, differences: &[Difference]) -> usize {
+    faults.list.len() + differences.len()
+}
+
 impl Outcome {
     /// The logarithm of the number of vertices over the wanted one; 0 where no number is asked for.
     fn miss(&self, options: &Options) -> f64 {
@@ -93,9 +99,8 @@ impl Outcome {
 }
 
 impl Meshed {
-    /// The number of faults and differences.
     fn wrong(&self) -> usize {
-        self.faults.list.len() + self.differences.len()
+        wrong(&self.faults, &self.differences)
     }
 
     /// The number of faults and differences for each face.

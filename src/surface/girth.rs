@@ -9,7 +9,7 @@
 use super::turning::WithoutBarriers;
 use super::walk::{WALK_EDGES, walk_through};
 use super::{Surface, SurfacePoint};
-use crate::geometry::{cross, unit};
+use crate::geometry::{cells_around, cross, unit};
 use crate::progress::{ASKED_EVERY, IsCancelled, until_cancelled};
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
@@ -77,13 +77,9 @@ fn spread(surface: &Surface, cell: f32, most: f32, is_cancelled: &IsCancelled) -
         }
     }
     let has_opposite = |t: u32| {
-        let centre = at(middles[t as usize], reach);
         let opposed = directions.opposed[kinds[t as usize] as usize];
-        (-1..=1).any(|x| {
-            (-1..=1).any(|y| {
-                (-1..=1).any(|z| seen_in.get(&(centre + IVec3::new(x, y, z))).is_some_and(|seen| seen & opposed != 0))
-            })
-        })
+        let mut near = cells_around(at(middles[t as usize], reach)).filter_map(|cell| seen_in.get(&cell));
+        near.any(|seen| seen & opposed != 0)
     };
     let mut seen = FxHashSet::default();
     let is_first = |&t: &u32| {
