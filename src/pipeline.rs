@@ -297,7 +297,9 @@ fn meshed(
     clock.progress.check()?;
 
     clock.begin_improving(Stage::Connectivity)?;
-    let connectivity = connectivity(options, &before, mosaic);
+    // Where sheets meet, each has vertices of its own.
+    let doubled = mesh.vertices().len() - before.points.len();
+    let connectivity = connectivity(options, mosaic.aimed + doubled);
     let mut edits = connectivity.map(|connectivity| optimise(&context, &mut mesh, &connectivity));
 
     clock.begin_improving(Stage::Relocate)?;
@@ -393,18 +395,18 @@ const MOST_FAULTS_OF_DISCS: usize = 4;
 /// throughout, and edits would only spoil shapes.
 const THIN: usize = 100;
 
-/// The options of the connectivity optimisation, completed by the mesh before it and by the other options.
-fn connectivity(options: &Options, before: &Mesh, mosaic: &Mosaic) -> Option<ConnectivityOptions> {
+/// The options of the connectivity optimisation, completed by the wanted number of vertices and by the other options.
+fn connectivity(options: &Options, wanted: usize) -> Option<ConnectivityOptions> {
     let given = options.connectivity?;
-    let excess = match options.fineness {
-        Fineness::Points(_) => before.points.len() as i64 - mosaic.aimed as i64,
-        Fineness::Size(_) | Fineness::Sampled => 0,
+    let wanted = match options.fineness {
+        Fineness::Points(_) => Some(wanted),
+        Fineness::Size(_) | Fineness::Sampled => None,
     };
     let regularity = match options.rows {
         Rows::Paper => given.regularity,
         Rows::Continuous => given.regularity.max(CONTINUOUS_REGULARITY),
     };
-    Some(ConnectivityOptions { excess, regularity, ..given })
+    Some(ConnectivityOptions { wanted, regularity, ..given })
 }
 
 /// Untangles faults and relocates vertices in turns, until no fault is left or no edit helps.

@@ -39,7 +39,7 @@ fn a_run_that_needs_too_much_memory_is_refused_before_its_work() {
     assert_eq!(refusal, LimitError::Memory { needed, limit, fits: Fits::Points(300) });
     let told = refusal.to_string();
     assert!(
-        told.ends_with("more than the limit of 13.69 MB; 300 points would fit: ask for as many, or allow more"),
+        told.ends_with("more than the limit of 13.24 MB; 300 points would fit: ask for as many, or allow more"),
         "{told}"
     );
     assert!(!*begun.lock().expect("no call panicked"), "the work had begun");
@@ -127,8 +127,8 @@ fn peak(triangles: usize, points: usize) -> u64 {
 #[cfg(target_os = "linux")]
 #[test]
 fn the_predicted_memory_is_that_of_the_program() {
-    // The largest error on examples, as docs/performance.md tells it.
-    let is_near = |predicted: u64, measured: u64| (0.69..1.35).contains(&(predicted as f64 / measured as f64));
+    // The errors that docs/performance.md tells, and a little for other numbers of threads.
+    let is_near = |predicted: u64, measured: u64| (0.75..1.45).contains(&(predicted as f64 / measured as f64));
     for (triangles, points) in [(2_000, 500), (2_000, 10_000), (2_000, 40_000), (100_000, 20_000), (300_000, 500)] {
         let measured = peak(triangles, points);
         let predicted = predicted_memory(triangles, points);

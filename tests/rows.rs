@@ -58,7 +58,7 @@ fn quads_alone_have_hardly_more_irregular_vertices_than_bolt_holes_demand_and_ro
         let options = Options::new(Fineness::Points(points)).with_layout(layout);
         run(&flange, &options, &Cpu, &unwatched).unwrap_or_else(|error| panic!("{error}"))
     };
-    // Each rim of the 12 holes has an index of -1, which is four vertices of valence 5.
+    // Each rim of the 12 holes has an index of -1, which is four vertices of valence 5, or fewer of a higher one.
     let demanded = 2 * 12 * 4;
     let irregular = |outcome: &Outcome| {
         let quality = Quality::of(&outcome.meshed.mesh);
@@ -71,7 +71,7 @@ fn quads_alone_have_hardly_more_irregular_vertices_than_bolt_holes_demand_and_ro
         fine.mosaic.distortion
     );
     let (qr, found) = irregular(&fine);
-    assert!(qr == 1.0 && (demanded..=demanded + 20).contains(&found), "Qr {qr}, {found} irregular");
+    assert!(qr == 1.0 && (demanded / 2..=demanded + 20).contains(&found), "Qr {qr}, {found} irregular");
     let (qr, found) = irregular(&quads(2_000, Layout::Mosaic));
     assert!(qr < 1.0 && found > demanded + 20, "rows of equal tiles end: Qr {qr}, {found} irregular");
 

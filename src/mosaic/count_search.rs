@@ -11,7 +11,7 @@ use crate::parametrize::Rows;
 use std::cell::Cell;
 
 /// A mosaic may miss the asked count by this share before another one is laid.
-const COUNT_ERROR: f64 = 0.01;
+const COUNT_ERROR: f64 = 0.015;
 /// A mosaic may miss a count by so many tiles: the count jumps by some where a row comes or goes, and the connectivity optimisation
 /// adds or removes a few.
 const FEW_TILES: f64 = 6.0;
@@ -19,7 +19,7 @@ const FEW_TILES: f64 = 6.0;
 const ATTEMPTS: usize = 3;
 /// A mosaic that is not relaxed yet may have so much less and so much more than the asked count, as shares, before another
 /// one is tried: relaxation and clean-up delete some tiles.
-const UNRELAXED_ERROR: [f64; 2] = [0.003, 0.009];
+const UNRELAXED_ERROR: [f64; 2] = [0.006, 0.018];
 /// Mosaics that are tried for one aim.
 const TRIES: usize = 6;
 /// So many of them with equal sides throughout. On a surface with many equal parts, as the teeth of a gear, all of these get
@@ -38,12 +38,11 @@ const MOST_OFF: f64 = 2.0;
 /// The cost of a distortion from which on no scale nearby is much better.
 const CHANCELESS: f64 = 0.3;
 
-/// A mosaic that was tried: its scale, by how much its sides differ, and its count before its finest level is relaxed.
-#[derive(Clone, Copy)]
+/// A mosaic that was tried: its scale, its count before its finest level is relaxed, and itself, unless it was taken.
 struct Try {
     h: f32,
-    tilt: f32,
     count: usize,
+    mosaic: Option<Mosaic>,
 }
 
 impl MosaicBuilder<'_> {
@@ -104,40 +103,39 @@ impl Laying<'_> {
         Ok(Mosaic { wanted: count, aimed: count, ..best })
     }
 
-    /// A mosaic that has `count` tiles before its finest level is relaxed; what was `tried` for another count shows where to
-    /// begin.
+    /// A mosaic that has `count` tiles before its finest level is relaxed; one that was `tried` for another count may have them, or
+    /// shows where to begin.
     fn aimed_at(&self, count: f64, tried: &mut Vec<Try>) -> Result<Mosaic, ComputeError> {
         // Rows that pass everywhere cost more than what they miss by.
         let [less, more] = if self.builder.rows == Rows::Continuous { [COUNT_ERROR; 2] } else { UNRELAXED_ERROR };
         let [less, more] = [less, more].map(|error| error.max(FEW_TILES / count));
         let (middle, reach) = ((more - less) / 2.0, (more + less) / 2.0);
         let off = |found: usize| ((found.max(1) as f64 / count).ln() - middle).abs();
-        let mut best: Option<(Try, Mosaic)> = None;
-        for attempt in 0..TRIES {
-            let known = tried.iter().copied().min_by(|a, b| off(a.count).total_cmp(&off(b.count)));
-            let known = known.filter(|known| attempt == 0 && off(known.count) < reach);
-            let (h, tilt) = known.map_or_else(
-                || (self.next_scale(count, tried), if tried.len() < EVEN_TRIES { 0.0 } else { TILT }),
-                |known| (known.h, known.tilt),
-            );
+        let nearest = |tried: &[Try], first: usize| {
+            let left = (first..tried.len()).filter(|&k| tried[k].mosaic.is_some());
+            left.min_by(|&a, &b| off(tried[a].count).total_cmp(&off(tried[b].count)))
+        };
+        let mut best = nearest(tried, 0).filter(|&known| off(tried[known].count) < reach);
+        let (first, tries) = (tried.len(), if best.is_some() { 0 } else { TRIES });
+        for attempt in 0..tries {
+            let (h, tilt) = (self.next_scale(count, tried), if tried.len() < EVEN_TRIES { 0.0 } else { TILT });
             let mosaic = self.unrelaxed(h, tilt)?;
             if self.builder.is_trial && mosaic.is_folded() {
                 return Ok(mosaic);
             }
             let (features, found) = (mosaic.feature_samples.len(), mosaic.count());
-            let this = Try { h, tilt, count: found };
             let is_same = attempt > 0 && tried.last().is_some_and(|last| (h / last.h - 1.0).abs() < SAME_SCALE);
-            tried.push(this);
-            if best.as_ref().is_none_or(|(best, _)| off(found) < off(best.count)) {
-                best = Some((this, mosaic));
-            }
+            tried.push(Try { h, count: found, mosaic: Some(mosaic) });
+            best = nearest(tried, first);
             // Where rows fold much, the count jumps by chance.
-            let is_last = attempt + 1 == FOLDED_TRIES && best.as_ref().is_some_and(|(_, mosaic)| mosaic.is_folded());
+            let is_folded = || best.and_then(|best| tried[best].mosaic.as_ref()).is_some_and(Mosaic::is_folded);
+            let is_last = attempt + 1 == FOLDED_TRIES && is_folded();
             if off(found) < reach || is_same || is_last || features as f64 >= count {
                 break;
             }
         }
-        let (Try { h, .. }, mosaic) = best.expect("one try at least");
+        let found = best.and_then(|best| Some((tried[best].h, tried[best].mosaic.take()?)));
+        let (h, mosaic) = found.expect("one try at least");
         let (h, mosaic) = self.least_folded(h, mosaic, |found| off(found) < MOST_OFF * reach)?;
         self.relaxed(mosaic, h, UNRELAXED..RELAXED)
     }

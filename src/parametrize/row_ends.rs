@@ -17,8 +17,6 @@ use crate::sizes::Intervals;
 use crate::surface::{Surface, previous};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// The least price of an edge, in weighted squares of a tile side.
 const LEAST_COST: f64 = 0.02;
@@ -69,7 +67,7 @@ struct Flow<'a, 'b> {
 }
 
 /// A unit charge in a triangle, with its direction in quarter turns from the axis at the triangle's first corner.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 struct State(u32);
 
 impl State {
@@ -102,7 +100,7 @@ fn states_of(triangle: u32, [u, v]: [i32; 2]) -> impl Iterator<Item = State> {
 }
 
 /// What happens in a search, in the order of costs.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy)]
 enum Event {
     /// A state is reached.
     Reached(State),
@@ -121,6 +119,35 @@ enum End {
 }
 
 const NOWHERE: u32 = u32::MAX;
+
+/// Events in the order of their costs, but for differences below [`LEAST_COST`]: no edge is cheaper, so that a state is final once
+/// it is taken out (Dial 1969, *Algorithm 360: shortest-path forest with topological ordering*).
+#[derive(Default)]
+struct Queue {
+    buckets: Vec<Vec<(f64, Event)>>,
+    first: usize,
+}
+
+impl Queue {
+    fn push(&mut self, cost: f64, event: Event) {
+        // A price has less digits than the least one.
+        const WIDTH: f64 = 0.99 * LEAST_COST;
+        let bucket = (cost / WIDTH) as usize;
+        if bucket >= self.buckets.len() {
+            self.buckets.resize_with(bucket + 1, Vec::new);
+        }
+        self.buckets[bucket].push((cost, event));
+    }
+
+    fn pop(&mut self) -> Option<(f64, Event)> {
+        loop {
+            match self.buckets.get_mut(self.first)?.pop() {
+                Some(next) => return Some(next),
+                None => self.first += 1,
+            }
+        }
+    }
+}
 
 impl Parametrization<'_> {
     /// Cancels the ends of rows: all of them where rows are continuous, else those with a cheap path. Afterwards the coordinates
@@ -260,20 +287,18 @@ impl Flow<'_, '_> {
     /// Grows paths from all charges at once and cancels those that meet first, up to the price `most` of both paths together;
     /// how many edges were crossed.
     fn round(&mut self, most: f64, backend: &dyn Backend) -> Result<usize, ComputeError> {
-        let mut heap = BinaryHeap::new();
+        let mut queue = Queue::default();
         let mut asked = 0;
         let starts: Vec<State> = (0..).zip(&self.charges).flat_map(|(t, &charge)| states_of(t, charge)).collect();
         for (label, &state) in (0..).zip(&starts) {
             self.reach(state, 0.0, None, label);
-            heap.push(Reverse((0, Event::Reached(state))));
+            queue.push(0.0, Event::Reached(state));
         }
         let mut alive = vec![true; starts.len()];
         let mut crossed = 0;
-        while let Some(Reverse((bits, event))) = heap.pop() {
-            // Costs are finite and not negative, so their bits are in order.
-            let cost = f64::from_bits(bits);
+        while let Some((cost, event)) = queue.pop() {
             if cost > most {
-                break;
+                continue;
             }
             asked += 1;
             if asked % ASKED_EVERY == 0 {
@@ -294,9 +319,9 @@ impl Flow<'_, '_> {
                     let opposite = state.opposite();
                     if self.done[opposite.index()] {
                         let together = cost + self.cost[opposite.index()];
-                        heap.push(Reverse((together.to_bits(), Event::Met(state, opposite))));
+                        queue.push(together, Event::Met(state, opposite));
                     }
-                    self.grow(state, cost, most, |there, event| heap.push(Reverse((there.to_bits(), event))));
+                    self.grow(state, cost, most, &mut queue);
                 }
                 Event::Met(a, b) => {
                     let [one, other] = [a, b].map(|state| label(self, state));
@@ -317,19 +342,19 @@ impl Flow<'_, '_> {
     }
 
     /// Reaches what lies beside a state up to the price `most`.
-    fn grow(&mut self, state: State, cost: f64, most: f64, mut push: impl FnMut(f64, Event)) {
+    fn grow(&mut self, state: State, cost: f64, most: f64, queue: &mut Queue) {
         for h in 3 * state.triangle()..3 * state.triangle() + 3 {
             let there = cost + f64::from(self.prices[h as usize][state.direction() as usize]);
             if there.is_infinite() || there > most {
                 continue;
             }
             match self.surface.twin(h) {
-                None => push(there, Event::Left(state, h)),
+                None => queue.push(there, Event::Left(state, h)),
                 Some(twin) => {
                     let next = State::new(twin / 3, self.across(h, twin, state.direction()));
                     if there < self.cost[next.index()] {
                         self.reach(next, there, Some((state, h)), self.label[state.index()]);
-                        push(there, Event::Reached(next));
+                        queue.push(there, Event::Reached(next));
                     }
                 }
             }
@@ -370,20 +395,16 @@ impl Flow<'_, '_> {
 
     /// The cheapest path from one of these states to one that takes its charge.
     fn search(&mut self, starts: &[State], takes: impl Fn(&Self, State) -> bool) -> Option<End> {
-        let mut heap = BinaryHeap::new();
+        let mut queue = Queue::default();
         for &start in starts {
             self.reach(start, 0.0, None, 0);
-            heap.push(Reverse((0, Event::Reached(start))));
+            queue.push(0.0, Event::Reached(start));
         }
-        while let Some(Reverse((bits, event))) = heap.pop() {
-            let cost = f64::from_bits(bits);
+        while let Some((cost, event)) = queue.pop() {
             match event {
                 Event::Reached(state) if cost > self.cost[state.index()] => {}
                 Event::Reached(state) if takes(self, state) => return Some(End::Inside(state)),
-                Event::Reached(state) => {
-                    let push = |there: f64, event| heap.push(Reverse((there.to_bits(), event)));
-                    self.grow(state, cost, f64::INFINITY, push);
-                }
+                Event::Reached(state) => self.grow(state, cost, f64::INFINITY, &mut queue),
                 Event::Left(state, h) => return Some(End::Outside(state, h)),
                 Event::Met(..) => {}
             }

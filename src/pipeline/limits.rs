@@ -81,11 +81,11 @@ const BASE: f64 = 12e6;
 /// The bytes of a triangle of the surface as it is given.
 const GIVEN: f64 = 310.0;
 /// The bytes of a triangle that tiles are laid on, where the surface is not coarsened.
-const LAID_ON: f64 = 650.0;
+const LAID_ON: f64 = 350.0;
 /// The bytes of a tile that the parametrization is solved for.
-const SOLVED: f64 = 5_600.0;
+const SOLVED: f64 = 3_800.0;
 /// The bytes of a vertex of the mesh.
-const VERTEX: f64 = 1_250.0;
+const VERTEX: f64 = 1_450.0;
 
 /// The memory, in bytes, that a run on the CPU takes at its peak: that of the whole process.
 ///

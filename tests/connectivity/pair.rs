@@ -2,10 +2,13 @@
 
 use super::plate::{Grid, SIDE, at};
 use super::{Optimised, optimised, with};
+use quadmosaic::compute::Cpu;
 use quadmosaic::mesh::Mesh;
 use quadmosaic::mesh::check::{Faults, check};
 use quadmosaic::mesh::connectivity::{ConnectivityOptions, EditCounts, Quads};
 use quadmosaic::mesh::quality::Quality;
+use quadmosaic::pipeline::{Fineness, Options, run, unwatched};
+use quadmosaic::surface::examples::Example;
 
 /// Grids that lack something.
 impl Grid {
@@ -90,8 +93,8 @@ impl Grid {
 
     fn paired(&self, options: &ConnectivityOptions) -> Optimised {
         // As many vertices as the whole grid has are wanted.
-        let excess = self.points.len() as i64 - i64::from((SIDE + 1).pow(2));
-        optimised(&self.surface(), &self.mesh(), &ConnectivityOptions { excess, ..*options })
+        let wanted = Some((SIDE + 1).pow(2) as usize);
+        optimised(&self.surface(), &self.mesh(), &ConnectivityOptions { wanted, ..*options })
     }
 }
 
@@ -363,4 +366,25 @@ fn the_same_twice_and_nothing_to_do_is_nothing_done() {
     assert_eq!(run(), run());
     let Optimised { before, after, counts, .. } = Grid::new().paired(&with(Quads::All));
     assert_eq!((before, counts), (after, EditCounts::default()));
+}
+
+#[test]
+fn the_number_of_vertices_comes_near_to_the_wanted_one() {
+    let soup = Example::Torus.generate(4_000);
+    let options = Options { connectivity: None, ..Options::new(Fineness::Points(3_000)) };
+    let outcome = run(&soup, &options, &Cpu, &unwatched).expect("a torus");
+    let mesh = outcome.meshed.mesh;
+    let count = mesh.points.len();
+    let off = |share: f64| {
+        let wanted = (share * count as f64) as usize;
+        let options = ConnectivityOptions { wanted: Some(wanted), ..ConnectivityOptions::default() };
+        let after = optimised(&outcome.surface, &mesh, &options).after;
+        assert!(check(&after).is_clean());
+        (after.points.len() as f64 / wanted as f64 - 1.0).abs()
+    };
+    let [few, same, many] = [0.98, 1.0, 1.02].map(off);
+    assert!(same < 0.007, "{same}");
+    assert!(few < 0.015 && many < 0.015, "of 2 %: {few}, {many}");
+    let free = optimised(&outcome.surface, &mesh, &ConnectivityOptions::default()).after.points.len();
+    assert!((free as f64 / count as f64 - 1.0).abs() < 0.007, "it stays: {free} of {count}");
 }

@@ -77,8 +77,8 @@ pub struct ConnectivityOptions {
     /// The cost of a squared difference between a valence and the wanted one, in perfect quads, where quads are recut. Default
     /// 0: the shape alone counts, as rows end anyway. Use 1 where rows are continuous: it keeps them.
     pub regularity: f64,
-    /// The number of vertices above the wanted number before the optimisation, which keeps near that number. Default 0.
-    pub excess: i64,
+    /// The number of vertices that edits keep near to. Default `None`: that of the mesh.
+    pub wanted: Option<usize>,
 }
 
 impl Default for ConnectivityOptions {
@@ -90,7 +90,7 @@ impl Default for ConnectivityOptions {
             longest_row: 8,
             searched: 10,
             regularity: 0.0,
-            excess: 0,
+            wanted: None,
         }
     }
 }
@@ -187,6 +187,8 @@ const ROUNDS: usize = 12;
 const VERTICES_PER_EXCESS: i64 = 150;
 /// ... and on small meshes by this number.
 const LEAST_EXCESS: i64 = 2;
+/// The gain, in perfect quads, of a vertex less where there are too many by more than that, or of one more where there are too few.
+const EXCESS_PRICE: f64 = 0.15;
 /// Where discs are quadrangulated anew, the number may change by one for each of these vertices.
 const VERTICES_PER_DISC_EXCESS: i64 = 100;
 /// The price of a triangle with [`Quads::All`].
@@ -225,9 +227,9 @@ pub fn optimise(context: &Context, mesh: &mut SurfaceMesh, options: &Connectivit
         operations::pair_along_strips(&mut engine);
         engine.options.regularity = options.regularity.max(ALL_REGULARITY);
     }
-    let (options, excess, counts) = (engine.options, engine.excess, engine.counts);
+    let (options, excess, most_excess, counts) = (engine.options, engine.excess, engine.most_excess, engine.counts);
     let measures = match_shapes(context, mesh, PASSES).into_measures();
-    let mut engine = Engine { context, mesh, measures, options, excess, counts };
+    let mut engine = Engine { context, mesh, measures, options, excess, most_excess, counts };
     engine.run(&[operations::RECUT]);
     operations::dissolve(&mut engine);
     engine.finish()
@@ -266,9 +268,8 @@ pub fn quadrangulate(
     if options.quads == Quads::Paper {
         return false;
     }
-    // The number that the mesh has is near enough to the wanted one.
     let regularity = options.regularity.max(DISC_REGULARITY);
-    let mut engine = Engine::new(context, mesh, &ConnectivityOptions { regularity, excess: 0, ..*options });
+    let mut engine = Engine::new(context, mesh, &ConnectivityOptions { regularity, ..*options });
     engine.counts = *counts;
     engine.run_within(VERTICES_PER_DISC_EXCESS, &[operations::QUADRANGULATE]);
     let before = counts.quadrangulated;
@@ -285,6 +286,8 @@ pub(crate) struct Engine<'a> {
     options: ConnectivityOptions,
     /// The number of vertices above the wanted one.
     excess: i64,
+    /// The number of vertices may differ from the wanted number by so many.
+    most_excess: i64,
     counts: EditCounts,
 }
 
@@ -293,6 +296,8 @@ struct Candidate {
     face: u32,
     kind: Kind,
     change: Change,
+    /// In perfect quads, with that of a nearer number of vertices.
+    gain: f64,
     evaluation: Evaluation,
 }
 
@@ -314,7 +319,10 @@ impl<'a> Engine<'a> {
     fn new(context: &'a Context<'a>, mesh: &'a mut SurfaceMesh, options: &ConnectivityOptions) -> Self {
         let all = (0..mesh.face_bound() as u32).into_par_iter().with_min_len(1024);
         let measures = all.map(|face| mesh.measure(context, face)).collect();
-        Self { context, mesh, measures, options: *options, excess: options.excess, counts: EditCounts::default() }
+        let used = (0..mesh.vertices().len() as u32).filter(|&v| !mesh.around(v).is_empty()).count();
+        let excess = options.wanted.map_or(0, |wanted| used as i64 - wanted as i64);
+        let (options, counts) = (*options, EditCounts::default());
+        Self { context, mesh, measures, options, excess, most_excess: i64::MAX, counts }
     }
 
     fn finish(mut self) -> EditCounts {
@@ -355,16 +363,16 @@ impl<'a> Engine<'a> {
 
     /// As [`Self::run`]; the number of vertices may differ from the wanted number by one for each of so many.
     fn run_within(&mut self, vertices_per_excess: i64, operations: &[Operation]) {
+        self.most_excess = (self.mesh.vertices().len() as i64 / vertices_per_excess).max(LEAST_EXCESS);
         let mut waiting = self.concerned(operations);
-        let most_excess = (self.mesh.vertices().len() as i64 / vertices_per_excess).max(LEAST_EXCESS);
         for _ in 0..ROUNDS {
             let best = |&face: &u32| self.best(operations, face);
             let mut candidates: Vec<Candidate> = waiting.par_iter().filter_map(best).collect();
-            candidates.sort_by(|a, b| b.evaluation.gain.total_cmp(&a.evaluation.gain));
+            candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
             let mut changed: FxHashSet<u32> = FxHashSet::default();
             let mut measured: FxHashSet<u32> = FxHashSet::default();
             let mut again = Vec::new();
-            for Candidate { face, kind, change, evaluation } in candidates {
+            for Candidate { face, kind, change, evaluation, .. } in candidates {
                 if self.context.is_cancelled() {
                     return;
                 }
@@ -376,12 +384,15 @@ impl<'a> Engine<'a> {
                 let excess = self.excess + edit.growth();
                 // An earlier edit of the round may have moved vertices near this one.
                 let evaluation = match evaluation.dependencies.iter().any(|face| measured.contains(face)) {
-                    true => self.evaluate(kind, &edit).filter(|evaluation| evaluation.gain > LEAST_GAIN),
+                    true => self.evaluate(kind, &edit),
                     false => Some(evaluation),
                 };
-                let Some(evaluation) = evaluation.filter(|evaluation| self.holds(&edit, evaluation)) else { continue };
+                let is_made = |evaluation: &Evaluation| {
+                    evaluation.gain + self.excess_gain(&edit) > LEAST_GAIN && self.holds(&edit, evaluation)
+                };
+                let Some(evaluation) = evaluation.filter(is_made) else { continue };
                 let is_needed = evaluation.has_fewer_faults || evaluation.gain >= FAULT_GAIN;
-                if excess.abs() > self.excess.abs().max(most_excess) && !is_needed {
+                if excess.abs() > self.excess.abs().max(self.most_excess) && !is_needed {
                     continue;
                 }
                 changed.extend(edit.changed().map(|(face, _)| face).filter(|face| *face < NEW));
@@ -413,13 +424,21 @@ impl<'a> Engine<'a> {
         let must_hold = operations.len() > 1 && self.is_fault(face);
         let concerned = operations.iter().filter(|operation| (operation.concerns)(self, face));
         concerned.map(|operation| (operation.propose)(self, face)).find_map(|edits| {
-            let evaluated =
-                edits.into_iter().filter_map(|(kind, edit)| Some((self.evaluate(kind, &edit)?, kind, edit)));
-            let mut gaining: Vec<_> = evaluated.filter(|(evaluation, ..)| evaluation.gain > LEAST_GAIN).collect();
-            gaining.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
+            let evaluated = edits.into_iter().filter_map(|(kind, edit)| {
+                let evaluation = self.evaluate(kind, &edit)?;
+                Some((evaluation.gain + self.excess_gain(&edit), evaluation, kind, edit))
+            });
+            let mut gaining: Vec<_> = evaluated.filter(|(gain, ..)| *gain > LEAST_GAIN).collect();
+            gaining.sort_by(|a, b| b.0.total_cmp(&a.0));
             let mut gaining = gaining.into_iter();
-            let best = gaining.find(|(evaluation, _, edit)| !must_hold || self.holds(edit, evaluation));
-            best.map(|(evaluation, kind, edit)| Candidate { face, kind, change: edit.into_change(), evaluation })
+            let best = gaining.find(|(_, evaluation, _, edit)| !must_hold || self.holds(edit, evaluation));
+            best.map(|(gain, evaluation, kind, edit)| Candidate {
+                face,
+                kind,
+                change: edit.into_change(),
+                gain,
+                evaluation,
+            })
         })
     }
 
@@ -466,6 +485,12 @@ impl<'a> Engine<'a> {
         let old = faces.iter().chain(changed.iter().filter(|face| edit.face(**face).is_empty()));
         let before = old.filter(|&&face| face < NEW && self.is_fault(face)).count();
         faces.iter().filter(|&&face| walked_to.measure(self.context, face).is_fault).take(before + 1).count() <= before
+    }
+
+    /// The gain, in perfect quads, of a number of vertices that is nearer to those that it may be.
+    fn excess_gain(&self, edit: &Edit) -> f64 {
+        let excess = |growth: i64| ((self.excess + growth).abs() - self.most_excess).max(0);
+        EXCESS_PRICE * (excess(0) - excess(edit.growth())) as f64
     }
 
     /// The growth of the loss of the feature edges' chords.
