@@ -361,8 +361,17 @@ impl View<'_> {
         }
         let (points, triangles) = (&points[..face.len()], &triangles[..face.len()]);
         let map = self.sweeps.maps.get(f as usize);
-        let orientation = &self.sweeps.context.orientation;
-        Measure::of(points, map, Some(before), || orientation.is_inverted(points, triangles.iter().copied()))
+        let Context { surface, orientation, .. } = self.sweeps.context;
+        // A vertex that has walked over a rim is on another sheet, which the normal of the face does not tell.
+        let agrees = |sides: &[u32; 2]| {
+            sides.iter().any(|&t| t == NONE || surface.normal(t as usize).as_dvec3().dot(before.normal) > 0.0)
+        };
+        let is_on_sheet = match moved {
+            Some((_, position)) => agrees(&position.triangles),
+            None => triangles.iter().all(agrees),
+        };
+        let known = Some(before).filter(|_| is_on_sheet);
+        Measure::of(points, map, known, || orientation.is_inverted(points, triangles.iter().copied()))
     }
 
     /// The range of a vertex on a curve; `None` where it has no neighbour on one side.
