@@ -41,6 +41,8 @@ const POOR_ROUNDS: usize = 8;
 const DISPLACEMENTS: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.025];
 /// The number of directions in which a free vertex searches.
 const DIRECTIONS: u32 = 8;
+/// The cosine of the angle between a face and a sheet from which on these are opposed: 120 degrees.
+const OPPOSED_COSINE: f64 = -0.5;
 /// The least gain of a search step.
 const LEAST_GAIN: f64 = 1e-3;
 /// The largest share of the distance to a neighbour on its curve that a vertex moves.
@@ -364,7 +366,8 @@ impl View<'_> {
         let Context { surface, orientation, .. } = self.sweeps.context;
         // A vertex that has walked over a rim is on another sheet, which the normal of the face does not tell.
         let agrees = |sides: &[u32; 2]| {
-            sides.iter().any(|&t| t == NONE || surface.normal(t as usize).as_dvec3().dot(before.normal) > 0.0)
+            let least = OPPOSED_COSINE * before.normal.length();
+            sides.iter().any(|&t| t == NONE || surface.normal(t as usize).as_dvec3().dot(before.normal) > least)
         };
         let is_on_sheet = match moved {
             Some((_, position)) => agrees(&position.triangles),
