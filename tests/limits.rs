@@ -127,8 +127,8 @@ fn peak(triangles: usize, points: usize) -> u64 {
 #[cfg(target_os = "linux")]
 #[test]
 fn the_predicted_memory_is_that_of_the_program() {
-    // The errors that docs/performance.md tells, and a little for other numbers of threads.
-    let is_near = |predicted: u64, measured: u64| (0.75..1.45).contains(&(predicted as f64 / measured as f64));
+    // The errors that docs/performance.md tells. A run takes up to a fifth more than another one, as each thread has a heap of its own.
+    let is_near = |predicted: u64, measured: u64| (0.7..1.4).contains(&(predicted as f64 / measured as f64));
     for (triangles, points) in [(2_000, 500), (2_000, 10_000), (2_000, 40_000), (100_000, 20_000), (300_000, 500)] {
         let measured = peak(triangles, points);
         let predicted = predicted_memory(triangles, points);

@@ -124,15 +124,18 @@ const NOWHERE: u32 = u32::MAX;
 /// it is taken out (Dial 1969, *Algorithm 360: shortest-path forest with topological ordering*).
 #[derive(Default)]
 struct Queue {
+    /// Each with the events of costs in a range of [`Self::WIDTH`].
     buckets: Vec<Vec<(f64, Event)>>,
+    /// The first one that may have an event.
     first: usize,
 }
 
 impl Queue {
+    /// Prices are rounded to f32, perhaps to less than the least one.
+    const WIDTH: f64 = 0.99 * LEAST_COST;
+
     fn push(&mut self, cost: f64, event: Event) {
-        // A price has less digits than the least one.
-        const WIDTH: f64 = 0.99 * LEAST_COST;
-        let bucket = (cost / WIDTH) as usize;
+        let bucket = (cost / Self::WIDTH) as usize;
         if bucket >= self.buckets.len() {
             self.buckets.resize_with(bucket + 1, Vec::new);
         }

@@ -382,9 +382,10 @@ fn the_number_of_vertices_comes_near_to_the_wanted_one() {
         assert!(check(&after).is_clean());
         (after.points.len() as f64 / wanted as f64 - 1.0).abs()
     };
-    let [few, same, many] = [0.98, 1.0, 1.02].map(off);
-    assert!(same < 0.007, "{same}");
-    assert!(few < 0.015 && many < 0.015, "of 2 %: {few}, {many}");
+    // One vertex in 150 is near enough. Without a price of the others, 0.97 and 1.06 miss by more.
+    for share in [0.97, 1.0, 1.06] {
+        assert!(off(share) < 1.0 / 150.0, "{share}: {}", off(share));
+    }
     let free = optimised(&outcome.surface, &mesh, &ConnectivityOptions::default()).after.points.len();
-    assert!((free as f64 / count as f64 - 1.0).abs() < 0.007, "it stays: {free} of {count}");
+    assert!((free as f64 / count as f64 - 1.0).abs() < 1.0 / 150.0, "it stays: {free} of {count}");
 }
