@@ -364,16 +364,10 @@ impl View<'_> {
         let (points, triangles) = (&points[..face.len()], &triangles[..face.len()]);
         let map = self.sweeps.maps.get(f as usize);
         let Context { surface, orientation, .. } = self.sweeps.context;
-        // A vertex that has walked over a rim is on another sheet, which the normal of the face does not tell.
-        let agrees = |sides: &[u32; 2]| {
-            let least = OPPOSED_COSINE * before.normal.length();
-            sides.iter().any(|&t| t == NONE || surface.normal(t as usize).as_dvec3().dot(before.normal) > least)
-        };
-        let is_on_sheet = match moved {
-            Some((_, position)) => agrees(&position.triangles),
-            None => triangles.iter().all(agrees),
-        };
-        let known = Some(before).filter(|_| is_on_sheet);
+        // A vertex that would walk over a rim comes onto another sheet, which the normal of the face does not tell.
+        let least = OPPOSED_COSINE * before.normal.length();
+        let agrees = |&t: &u32| surface.normal(t as usize).as_dvec3().dot(before.normal) > least;
+        let known = Some(before).filter(|_| moved.is_none_or(|(_, position)| position.triangles.iter().any(agrees)));
         Measure::of(points, map, known, || orientation.is_inverted(points, triangles.iter().copied()))
     }
 
