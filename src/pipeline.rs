@@ -192,7 +192,7 @@ const HARMONIC_SWEEPS: u32 = 150;
 /// Singularities nearer to a feature than this, in tile sides, move onto it where rows are continuous.
 const ABSORBED: f64 = 1.0;
 /// The most rounds of untangling and relocation.
-const UNTANGLING_ROUNDS: usize = 3;
+const UNTANGLING_ROUNDS: usize = 8;
 /// A surface whose triangles, once those that are long are divided, are more than so many a tile is coarsened: the time grows with
 /// them, and tiles do not need them.
 const MOST_PARTS: usize = 8;
@@ -307,7 +307,7 @@ fn meshed(
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits) {
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
     }
-    let (without_discs, edits_before) = (mesh.clone(), edits);
+    let (mut without_discs, edits_before) = (mesh.clone(), edits);
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits)
         && quadrangulate(&context, &mut mesh, &connectivity, edits)
     {
@@ -325,7 +325,7 @@ fn meshed(
     }
     let mut finished = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
     if has_discs && (1..=MOST_FAULTS_OF_DISCS).contains(&wrong(&finished)) && !is_late {
-        context.let_nearest_decide(&without_discs, &[]);
+        context.let_nearest_decide(&mut without_discs, &[]);
         let mut other_edits = edits_before;
         let (mesh, opposed) = settled(&mut context, without_discs, connectivity, options.smoothing, &mut other_edits);
         let other = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
@@ -349,11 +349,12 @@ fn settled(
         snap(context, &mut mesh);
     }
     mesh = mesh.compacted();
+    context.regard_given();
     let mut opposed = mesh.opposed_faces(context);
     if let (Some(connectivity), Some(edits)) = (connectivity, edits)
         && (1..=mesh.faces().count() / THIN).contains(&opposed.len())
     {
-        context.let_nearest_decide(&mesh, &opposed);
+        context.let_nearest_decide(&mut mesh, &opposed);
         untangle_and_relocate(context, &mut mesh, &connectivity, passes, edits);
         mesh = mesh.compacted();
         let left = mesh.faults(context);

@@ -65,11 +65,26 @@ pub struct Context<'a> {
 impl<'a> Context<'a> {
     /// From now on the triangles nearest to a face decide whether it is inverted, whatever sheet it was made on, about these faces and
     /// those that their mending can change.
-    pub(crate) fn let_nearest_decide(&mut self, mesh: &SurfaceMesh, faces: &[u32]) {
+    pub(crate) fn let_nearest_decide(&mut self, mesh: &mut SurfaceMesh, faces: &[u32]) {
+        self.disturb_where_nearest_decide(mesh);
         let corners = || faces.iter().map(|&face| mesh.face(face));
         let middle = |face: &[u32]| orientation::middle(&face.iter().map(|&v| mesh.point(v)).collect::<Vec<DVec3>>());
         let longest = corners().flatten().map(|&v| mesh.mean_edge_at(v)).fold(0.0, f64::max);
         self.orientation.let_nearest_decide(corners().map(middle), MENDING_DISTANCE * longest);
+        self.disturb_where_nearest_decide(mesh);
+    }
+
+    fn disturb_where_nearest_decide(&self, mesh: &mut SurfaceMesh) {
+        for v in 0..mesh.vertices().len() as u32 {
+            if self.orientation.nearest_decide_at(mesh.point(v)) {
+                mesh.disturb(v);
+            }
+        }
+    }
+
+    /// From now on the triangles as they were given count where the nearest ones decide.
+    pub(crate) fn regard_given(&mut self) {
+        self.orientation.regard_given();
     }
 
     /// The context of a surface.
@@ -121,6 +136,17 @@ impl Score {
         let rises = least > LEAST_RISE;
         faults.is_lt() || (faults.is_eq() && (rises || (least >= 0.0 && self.loss < other.loss - margin)))
     }
+
+    /// Whether a sum of this and further scores can [beat](Self::beats) another score.
+    pub(crate) fn can_beat(&self, other: &Self, margin: f64) -> bool {
+        let (faults, least) = (self.faults.cmp(&other.faults), self.least - other.least);
+        faults.is_lt() || (faults.is_eq() && (least > LEAST_RISE || (least >= 0.0 && self.loss < other.loss - margin)))
+    }
+
+    /// The score of the faces and edges of both.
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self { faults: self.faults + other.faults, least: self.least.min(other.least), loss: self.loss + other.loss }
+    }
 }
 
 impl Default for Score {
@@ -131,11 +157,7 @@ impl Default for Score {
 
 impl std::iter::Sum for Score {
     fn sum<I: Iterator<Item = Self>>(scores: I) -> Self {
-        scores.fold(Self::default(), |sum, score| Self {
-            faults: sum.faults + score.faults,
-            least: sum.least.min(score.least),
-            loss: sum.loss + score.loss,
-        })
+        scores.fold(Self::default(), |sum, score| sum.plus(&score))
     }
 }
 
@@ -235,7 +257,8 @@ impl SurfaceMesh {
         })
     }
 
-    /// The faces whose normals point against the triangles nearest to their middles, of all sheets.
+    /// The faces whose normals point against the triangles nearest to their middles, of all sheets: those that were given, once they are
+    /// [regarded](Context::regard_given).
     pub(crate) fn opposed_faces(&self, context: &Context) -> Vec<u32> {
         let is_opposed =
             |&face: &u32| !self.face(face).is_empty() && !context.is_cancelled() && self.opposes_nearest(context, face);

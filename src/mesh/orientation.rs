@@ -4,17 +4,18 @@
 //! A face is inverted where its normal points against the sheet that it lies on: the triangle of the surface nearest to its
 //! middle. Several triangles can be equally near, beside an edge: none of them may oppose the face. A wall perpendicular to the
 //! face does not count, nor do two sheets that lie on each other, at one place. No search is needed where the sheets at all corners are
-//! known and agree, which is the usual case.
+//! known and agree, which is the usual case. A surface that was smoothed or coarsened differs from the given one, whose triangles
+//! decide in the end.
 //!
 //! # Practice
 //! Give the triangles at the corners where they are known: this is faster, and it decides on parts thinner than a face, where
 //! the nearest sheet can be the opposite one.
 
 use super::vertex::walked;
-use crate::geometry::cells_around;
+use crate::geometry::{cells_around, cross, unit};
 use crate::surface::nearest::{EQUALLY_NEAR, Triangles, nearest_weights};
 use crate::surface::{NONE, Surface};
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, Vec3};
 use rustc_hash::FxHashSet;
 use std::iter::zip;
 
@@ -28,7 +29,10 @@ const BACK: f32 = -0.98;
 /// The orientation of a surface, with a tree of its triangles.
 pub(crate) struct Orientation<'a> {
     surface: &'a Surface,
-    triangles: Triangles,
+    sheets: Sheets<'a>,
+    /// The triangles as they were given, and how far the surface may be from them, from [`Self::regard_given`] on; `None` too where
+    /// they are those of the surface.
+    given: Option<(Sheets<'a>, f64)>,
     /// Where the nearest triangles decide, whatever sheets are known at the corners of a face: cubes of a grid.
     nearest_decide: FxHashSet<IVec3>,
     /// The side of the cubes.
@@ -37,7 +41,16 @@ pub(crate) struct Orientation<'a> {
 
 impl<'a> Orientation<'a> {
     pub(crate) fn new(surface: &'a Surface) -> Self {
-        Self { surface, triangles: Triangles::new(surface), nearest_decide: FxHashSet::default(), side: 1.0 }
+        let sheets = Sheets::new(&surface.points, &surface.triangles);
+        Self { surface, sheets, given: None, nearest_decide: FxHashSet::default(), side: 1.0 }
+    }
+
+    /// From now on the given triangles count where the nearest ones decide.
+    pub(crate) fn regard_given(&mut self) {
+        if self.given.is_none() {
+            let given = self.surface.as_given();
+            self.given = given.map(|given| (Sheets::new(&given.points, &given.triangles), given.off));
+        }
     }
 
     /// From now on, for faces whose middles are within `distance` of one of these points, and some that are farther, the nearest
@@ -51,33 +64,50 @@ impl<'a> Orientation<'a> {
         (point / self.side).floor().as_ivec3()
     }
 
-    fn nearest_decide_at(&self, point: DVec3) -> bool {
+    /// Whether the nearest triangles decide for faces with this middle.
+    pub(crate) fn nearest_decide_at(&self, point: DVec3) -> bool {
         !self.nearest_decide.is_empty() && self.nearest_decide.contains(&self.cube(point))
     }
 
     /// The tree of the surface's triangles.
     pub(crate) fn triangles(&self) -> &Triangles {
-        &self.triangles
+        &self.sheets.tree
     }
 
     /// Whether a face with these corners, counter-clockwise and unit-sized, is inverted. `sheets` names the triangles of the
     /// surface on the two sides of each corner, [`NONE`] where they are unknown.
     pub(crate) fn is_inverted(&self, corners: &[DVec3], sheets: impl Iterator<Item = [u32; 2]> + Clone) -> bool {
-        let normal = normal(corners);
+        let (normal, middle) = (normal(corners), middle(corners));
         // A face that is removed or has no area opposes nothing; a search from the centre of a ball would look at all of its triangles.
-        normal != DVec3::ZERO
-            && (self.nearest_decide_at(middle(corners)) || !self.agrees(normal, sheets.clone()))
-            && self.opposes(corners, sheets)
+        if normal == DVec3::ZERO {
+            return false;
+        }
+        if self.nearest_decide_at(middle) {
+            return self.opposes(corners, sheets);
+        }
+        !self.agrees(normal, sheets.clone())
+            && self.sheets.oppose(normal, middle, self.distance_from(corners, middle, sheets))
     }
 
-    /// Whether the normal of a face points against the triangles nearest to its middle. A walk from a corner whose sheet is known
-    /// bounds the search.
+    /// Whether the normal of a face points against the triangles nearest to its middle: of the given ones, once they are regarded, or
+    /// of the surface.
     pub(crate) fn opposes(&self, corners: &[DVec3], sheets: impl Iterator<Item = [u32; 2]>) -> bool {
         let (normal, middle) = (normal(corners), middle(corners));
+        let distance = self.distance_from(corners, middle, sheets);
+        match &self.given {
+            Some((given, off)) => given.oppose(normal, middle, distance + off),
+            None => self.sheets.oppose(normal, middle, distance),
+        }
+    }
+
+    /// An upper bound of the distance of the surface from the middle of a face: that of the end of a walk from a corner whose sheet
+    /// is known.
+    fn distance_from(&self, corners: &[DVec3], middle: DVec3, sheets: impl Iterator<Item = [u32; 2]>) -> f64 {
         let inside = zip(corners, sheets).find(|(_, [a, b])| *a != NONE && a == b);
-        let Some((&corner, [triangle, _])) = inside else { return self.nearest_sheets(normal, middle).are_opposed };
-        let below = walked(self.surface, triangle, corner, middle);
-        self.opposes_nearest(normal, middle, below.point.distance(middle))
+        match inside {
+            Some((&corner, [triangle, _])) => walked(self.surface, triangle, corner, middle).point.distance(middle),
+            None => self.triangles().nearest(middle).1,
+        }
     }
 
     /// Whether a sheet is known at a corner of a face, and all known sheets agree with its normal.
@@ -92,21 +122,49 @@ impl<'a> Orientation<'a> {
 
     /// Compares the normal of a face, of any length, with the triangles nearest to its middle.
     pub(crate) fn nearest_sheets(&self, normal: DVec3, middle: DVec3) -> NearestSheets {
-        let distance = self.triangles().nearest(middle).1;
-        NearestSheets { distance, are_opposed: self.opposes_nearest(normal, middle, distance) }
+        self.sheets.nearest_to(normal, middle)
+    }
+}
+
+/// Oriented triangles, in a tree.
+struct Sheets<'a> {
+    points: &'a [Vec3],
+    triangles: &'a [[u32; 3]],
+    tree: Triangles,
+}
+
+impl<'a> Sheets<'a> {
+    fn new(points: &'a [Vec3], triangles: &'a [[u32; 3]]) -> Self {
+        let corners = |t: u32| triangles[t as usize].map(|v| points[v as usize].as_dvec3());
+        Self { points, triangles, tree: Triangles::of(triangles.len() as u32, corners) }
+    }
+
+    fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|v| self.points[v as usize])
+    }
+
+    fn normal(&self, triangle: u32) -> Vec3 {
+        let [a, b, c] = self.corners(triangle);
+        unit(cross(b - a, c - a))
+    }
+
+    /// Compares the normal of a face, of any length, with the triangles nearest to its middle.
+    fn nearest_to(&self, normal: DVec3, middle: DVec3) -> NearestSheets {
+        let distance = self.tree.nearest(middle).1;
+        NearestSheets { distance, are_opposed: self.oppose(normal, middle, distance) }
     }
 
     /// Whether the normal of a face points against the triangles nearest to its middle. `distance` is an upper bound of their
     /// distance.
-    fn opposes_nearest(&self, normal: DVec3, middle: DVec3, distance: f64) -> bool {
-        let unit = normal.normalize_or_zero();
-        let found = self.triangles().within(middle, distance + EQUALLY_NEAR);
-        let cosine = |triangle: u32| self.surface.normal(triangle as usize).as_dvec3().dot(unit);
+    fn oppose(&self, normal: DVec3, middle: DVec3, distance: f64) -> bool {
+        let direction = normal.normalize_or_zero();
+        let found = self.tree.within(middle, distance + EQUALLY_NEAR);
+        let cosine = |triangle: u32| self.normal(triangle).as_dvec3().dot(direction);
         if found.iter().all(|&triangle| cosine(triangle) >= -PERPENDICULAR) {
             return false;
         }
         let on = |triangle: u32| {
-            let corners = self.surface.corners(triangle as usize).map(|corner| corner.as_dvec3());
+            let corners = self.corners(triangle).map(|corner| corner.as_dvec3());
             let point: DVec3 = zip(corners, nearest_weights(middle, corners)).map(|(p, w)| p * w).sum();
             (point.distance(middle), point, triangle)
         };
@@ -114,9 +172,9 @@ impl<'a> Orientation<'a> {
         let least = all.iter().map(|(off, ..)| *off).fold(f64::INFINITY, f64::min);
         let near = || all.iter().filter(|(off, ..)| *off <= least + EQUALLY_NEAR);
         let has_back = |at: DVec3, triangle: u32| {
-            let normal = self.surface.normal(triangle as usize);
+            let normal = self.normal(triangle);
             near().any(|&(_, back, other)| {
-                self.surface.normal(other as usize).dot(normal) < BACK
+                self.normal(other).dot(normal) < BACK
                     && at.distance(back) <= EQUALLY_NEAR
                     && !self.share_an_edge(triangle, other)
             })
@@ -126,8 +184,8 @@ impl<'a> Orientation<'a> {
 
     /// Whether two triangles meet at an edge.
     fn share_an_edge(&self, a: u32, b: u32) -> bool {
-        let corners = self.surface.triangles[b as usize];
-        self.surface.triangles[a as usize].iter().filter(|v| corners.contains(v)).count() > 1
+        let corners = self.triangles[b as usize];
+        self.triangles[a as usize].iter().filter(|v| corners.contains(v)).count() > 1
     }
 }
 
@@ -194,6 +252,24 @@ mod tests {
         let orientation = Orientation::new(&surface);
         assert!(orientation.is_inverted(&between, unknown()));
         assert!(orientation.is_inverted(&[between[0], between[2], between[1]], unknown()));
+    }
+
+    #[test]
+    fn the_given_triangles_decide_once_they_are_regarded() {
+        let surface = sheets(0.1);
+        let at = |[x, y]: [f64; 2]| DVec3::from(surface.frame().to_unit([x, y, 0.1]));
+        let face = [at([0.4, 0.4]), at([0.6, 0.4]), at([0.5, 0.6])];
+        let turned: Vec<[u32; 3]> = surface.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let mut regarded = Orientation::new(&surface);
+        regarded.regard_given();
+        assert!(!regarded.opposes(&face, unknown()), "the surface is as it was given");
+        let off = 1e-3;
+        for (apart, is_opposed) in [(0.0, true), (0.5 * off, true), (2.0 * off, false)] {
+            let points: Vec<Vec3> = surface.points.iter().map(|&p| p + Vec3::Z * apart as f32).collect();
+            let given = Some((Sheets::new(&points, &turned), off));
+            let orientation = Orientation { given, ..Orientation::new(&surface) };
+            assert_eq!(orientation.opposes(&face, unknown()), is_opposed, "{apart}: farther ones are not searched");
+        }
     }
 
     /// A floor that looks up, and a wall below its edge at x = 1 that looks along x.

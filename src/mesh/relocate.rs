@@ -19,7 +19,8 @@
 
 use super::metric::{MetricMap, from_metric, to_metric};
 use super::objective::{Context, FLOOR, Measure, POOR, Score, TOLERATED_CHORD_LOSS, TRIANGLE_WEIGHT, chord_loss};
-use super::surface_mesh::SurfaceMesh;
+use super::orientation::middle;
+use super::surface_mesh::{Rest, SurfaceMesh};
 use super::vertex::{Place, Position, walked};
 use crate::surface::NONE;
 use glam::DVec3;
@@ -86,6 +87,16 @@ enum Step {
     Search(f64),
 }
 
+impl Step {
+    /// Whether a vertex at rest would find nothing.
+    fn is_vain(self, rest: Rest) -> bool {
+        match self {
+            Self::Match => rest.matched,
+            Self::Search(_) => rest.searched,
+        }
+    }
+}
+
 /// The state of a relocation.
 pub(crate) struct Sweeps<'a> {
     context: &'a Context<'a>,
@@ -121,9 +132,17 @@ impl<'a> Sweeps<'a> {
     }
 
     fn relocate(&mut self, mesh: &mut SurfaceMesh, passes: usize) {
+        self.disturb_faults(mesh);
         self.match_shapes(mesh, passes);
         self.search_imperfect(mesh);
         self.search_poor(mesh);
+        self.disturb_faults(mesh);
+    }
+
+    /// The vertices of faults are not at rest: whether a face is inverted can depend on the moves that led to it.
+    fn disturb_faults(&self, mesh: &mut SurfaceMesh) {
+        let faults = (0..).zip(&self.measures).filter(|(_, measure)| measure.is_fault);
+        faults.for_each(|(f, _)| mesh.disturb_face(f));
     }
 
     /// Passes of shape matching.
@@ -164,7 +183,8 @@ impl<'a> Sweeps<'a> {
         }
     }
 
-    /// Visits each waiting vertex once, colour by colour; returns whether any has moved.
+    /// Visits each waiting vertex once, colour by colour; returns whether any has moved. Where a vertex has found no better position
+    /// by the same step since its faces last changed, the visit is spared.
     fn sweep(&mut self, mesh: &mut SurfaceMesh, step: Step) -> bool {
         let mut any = false;
         for k in 0..self.colours.len() {
@@ -175,12 +195,14 @@ impl<'a> Sweeps<'a> {
                 .par_iter()
                 .with_min_len(128)
                 .filter(is_visited)
-                .map(|&v| (v, view.better(v, step)))
+                .map(|&v| (v, if step.is_vain(mesh.rest(v)) { None } else { view.better(v, step) }))
                 .collect();
-            for &(v, ref position) in &found {
+            let rests: Vec<Rest> = found.par_iter().with_min_len(256).map(|&(v, _)| view.rest(v, step)).collect();
+            for (&(v, ref position), rest) in found.iter().zip(rests) {
                 self.is_waiting[v as usize] = false;
-                if let Some(position) = position {
-                    mesh.set_position(v, position, self.context.surface);
+                match position {
+                    Some(position) => mesh.set_position(v, position, self.context.surface),
+                    None => mesh.set_rest(v, rest),
                 }
             }
             let moved = found.iter().filter(|(_, position)| position.is_some());
@@ -226,6 +248,16 @@ impl View<'_> {
         measures.map(Measure::shape_unless_fault).fold(1.0, f64::min)
     }
 
+    /// The rest of a vertex for which a step has found nothing.
+    fn rest(&self, v: u32, step: Step) -> Rest {
+        let rest = self.mesh.rest(v);
+        match step {
+            Step::Match if self.worst(v) >= POOR && !self.leaves_its_curve(v) => Rest { matched: true, ..rest },
+            Step::Match => Rest { matched: true, searched: true },
+            Step::Search(_) => Rest { searched: true, ..rest },
+        }
+    }
+
     /// A better position of a vertex, if one is found.
     fn better(&self, v: u32, step: Step) -> Option<Position> {
         let range = match self.mesh.vertex(v).place {
@@ -256,7 +288,7 @@ impl View<'_> {
         }
         STEP_SHARES.into_iter().find_map(|share| {
             let position = self.moved(current, way * share, range)?;
-            self.score(v, &position, range).beats(&score, 0.0).then_some(position)
+            self.better_score(v, &position, range, &score, 0.0).map(|_| position)
         })
     }
 
@@ -277,8 +309,7 @@ impl View<'_> {
             let tried = ways.into_iter().filter_map(|way| self.moved(&best, way, range));
             let mut found = None;
             for position in tried {
-                let score = self.score(v, &position, range);
-                if score.beats(&least, LEAST_GAIN) {
+                if let Some(score) = self.better_score(v, &position, range, &least, LEAST_GAIN) {
                     (found, least) = (Some(position), score);
                 }
             }
@@ -328,11 +359,39 @@ impl View<'_> {
         Score { loss: faces.loss + chords, ..faces }
     }
 
-    /// The score of the faces and feature edges at a vertex, the vertex being at a position.
-    fn score(&self, v: u32, position: &Position, range: Option<&Range>) -> Score {
-        let faces: Score = self.mesh.around(v).iter().map(|&f| self.measure(f, Some((v, position))).score(0.0)).sum();
-        let chords = range.map_or(0.0, |range| self.chords(v, position, range));
-        Score { loss: faces.loss + chords, ..faces }
+    /// The score of the faces and feature edges at a vertex, the vertex being at a position, where it [beats](Score::beats) another
+    /// one.
+    fn better_score(
+        &self,
+        v: u32,
+        position: &Position,
+        range: Option<&Range>,
+        other: &Score,
+        margin: f64,
+    ) -> Option<Score> {
+        let mut score = Score::default();
+        for &f in self.mesh.around(v) {
+            score = score.plus(&self.measure(f, Some((v, position))).score(0.0));
+            if !score.can_beat(other, margin) {
+                return None;
+            }
+        }
+        score.loss += range.map_or(0.0, |range| self.chords(v, position, range));
+        (score.beats(other, margin) && !self.adds_opposed(v, position)).then_some(score)
+    }
+
+    /// Whether a face at a vertex that is no fault would point against the triangles nearest to it, where these decide, with the vertex
+    /// at a position: its normal does not tell, as a thin part is near.
+    fn adds_opposed(&self, v: u32, position: &Position) -> bool {
+        let orientation = &self.sweeps.context.orientation;
+        self.mesh.around(v).iter().any(|&f| {
+            let at = |w: u32| if w == v { *position } else { Position::from(self.mesh.vertex(w)) };
+            let corners = self.mesh.face(f).iter().map(|&w| at(w));
+            let points: Vec<DVec3> = corners.clone().map(|corner| corner.point).collect();
+            !self.sweeps.measures[f as usize].is_fault
+                && orientation.nearest_decide_at(middle(&points))
+                && orientation.is_inverted(&points, corners.map(|corner| corner.triangles))
+        })
     }
 
     /// The loss of the two feature edges at a vertex on a curve.
@@ -464,4 +523,78 @@ pub(crate) fn regular(count: usize, corner: impl Fn(usize) -> DVec3) -> DVec3 {
         radius(k) * c + normal.cross(radius(k)) * s
     });
     centre + turned.sum::<DVec3>() / count as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Mesh;
+    use crate::surface::{FeatureOptions, Soup, Surface};
+
+    fn surface(points: Vec<[f64; 3]>, quads: &[[u32; 4]]) -> Surface {
+        let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let options = FeatureOptions { crease: 180.0, ridge: 180.0, ..FeatureOptions::default() };
+        Surface::new(&Soup { points, triangles, ..Soup::default() }, &options).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// A grid of 12 x 12 squares of side 1 whose points are displaced, the quads of a wavy surface below it.
+    fn grid(displaced: f64) -> (Vec<[f64; 3]>, Vec<[u32; 4]>) {
+        let point = |k: u32| {
+            let [i, j] = [k % 13, k / 13].map(f64::from);
+            let is_inside = [i, j].iter().all(|x| (1.0..12.0).contains(x));
+            let off = if is_inside { displaced } else { 0.0 };
+            let [x, y] = [i + off * (f64::from(k) * 2.3).sin(), j + off * (f64::from(k) * 3.7).cos()];
+            [x, y, 0.3 * (0.5 * x).sin()]
+        };
+        let quad = |k: u32| [k, k + 1, k + 14, k + 13];
+        ((0..169).map(point).collect(), (0..156).filter(|k| k % 13 < 12).map(quad).collect())
+    }
+
+    #[test]
+    fn vertices_at_rest_would_not_move() {
+        let (points, quads) = grid(0.0);
+        let surface = surface(points, &quads);
+        let context = Context::new(&surface);
+        let mut mesh = Mesh::new(grid(0.45).0);
+        quads.iter().for_each(|quad| mesh.push_face(quad));
+        let mut mesh = SurfaceMesh::of(&context, &mesh);
+        for passes in [1, 2, 6] {
+            relocate(&context, &mut mesh, passes);
+            let with = |rest: &dyn Fn(Rest) -> Rest| {
+                let mut other = mesh.clone();
+                (0..169).for_each(|v| other.set_rest(v, rest(mesh.rest(v))));
+                relocate(&context, &mut other, passes);
+                other.to_mesh()
+            };
+            let known = with(&|rest| rest);
+            assert_eq!(known, with(&|_| Rest::default()), "{passes} passes");
+            if passes == 1 {
+                let all = with(&|_| Rest { matched: true, searched: true });
+                assert!(known != mesh.to_mesh() && all == mesh.to_mesh(), "others still move");
+            }
+        }
+        assert!((0..169).any(|v| mesh.rest(v).matched));
+    }
+
+    #[test]
+    fn no_vertex_moves_so_that_a_face_crosses_a_wall_where_the_nearest_triangles_decide() {
+        // A wall of thickness 0.1 with a rim at x = 0, and a face across its rim.
+        let points =
+            [[2.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.1], [2.0, 0.0, 0.1]].map(|p| [p, [p[0], 1.0, p[2]]]);
+        let surface = surface(points.concat(), &[[0, 2, 3, 1], [2, 4, 5, 3], [4, 6, 7, 5]]);
+        let mut context = Context::new(&surface);
+        let mut mesh = Mesh::new(vec![[0.05, 0.2, 0.0], [0.05, 0.2, 0.1], [0.05, 0.8, 0.1], [0.05, 0.8, 0.0]]);
+        mesh.push_face(&[0, 1, 2, 3]);
+        let mut mesh = SurfaceMesh::of(&context, &mesh);
+        assert!(mesh.faults(&context).is_empty());
+        let far =
+            Position { point: DVec3::from(surface.frame().to_unit([1.0, 0.2, 0.1])), ..Position::from(mesh.vertex(1)) };
+        let adds = |context: &Context, mesh: &SurfaceMesh, position: &Position| {
+            View { sweeps: &Sweeps::new(context, mesh), mesh }.adds_opposed(1, position)
+        };
+        assert!(!adds(&context, &mesh, &far));
+        context.let_nearest_decide(&mut mesh, &[0]);
+        assert!(adds(&context, &mesh, &far));
+        assert!(!adds(&context, &mesh, &Position::from(mesh.vertex(1))));
+    }
 }

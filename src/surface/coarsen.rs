@@ -11,8 +11,9 @@
 //! Remaining vertices are where they were. Corners, apexes, and vertices where sheets meet stay, and curves lose vertices along
 //! themselves alone.
 
-use super::fine::Fine;
+use super::fine::{FARTHEST, Fine};
 use super::given::Given;
+use super::given::Sheets;
 use super::walk::{next_corner, previous_corner};
 use super::{DroppedEdge, FeatureOptions, Features, NONE, Surface, next, previous};
 use crate::progress::{ASKED_EVERY, Progress};
@@ -121,7 +122,13 @@ struct Coarsening {
 impl Surface {
     /// A coarser surface for tiles of a side, unit-sized.
     pub(crate) fn coarsened(mut self, side: f64, options: &FeatureOptions, progress: &Progress) -> Self {
-        self.fine = Some(Arc::new(Fine::new(&self, side)));
+        let off = FARTHEST * side;
+        let sheets = Arc::new(Sheets { points: self.points.clone(), triangles: self.triangles.clone(), off });
+        self.fine = Some(Arc::new(Fine::new(&self, sheets.clone(), side)));
+        match &mut self.as_given {
+            Some(given) => Arc::make_mut(given).off += off,
+            None => self.as_given = Some(sheets),
+        }
         if progress.is_cancelled() {
             return self;
         }
@@ -530,6 +537,8 @@ mod tests {
         let fine = example("sphere", 40_000);
         let side = 0.2;
         let coarse = fine.clone().coarsened(side, &FeatureOptions::default(), &Progress::new(&unwatched));
+        let given = coarse.as_given().expect("it is coarser");
+        assert!(fine.as_given().is_none() && given.points == fine.points && given.triangles == fine.triangles);
         assert!(4 * coarse.triangle_count() < fine.triangle_count(), "{}", coarse.triangle_count());
         assert_eq!((euler(&coarse), faults(&coarse)), (2, vec![]));
         let far = distance(&fine, &coarse);

@@ -7,9 +7,11 @@
 //! *Implicit fairing of irregular meshes using diffusion and curvature flow*, 1999.)
 //!
 //! # Practice
-//! Boundaries, named edges, places where sheets meet, and parts smaller than a few tiles stay. [`Denoised`] tells how far points moved.
+//! Boundaries, named edges, places where sheets meet, and parts smaller than a few tiles stay. Points move by no more than a share of
+//! the thickness of a wall. [`Denoised`] tells how far points moved.
 //! The radius is the same everywhere: thin parts are found where a surface is noisy, too (docs/experiments.md, features at the scale of a tile).
 
+use super::nearest::{Triangles, squared_distance};
 use super::{DroppedEdge, NONE, Reason, Surface};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -24,6 +26,10 @@ const NOISY: f64 = 0.4;
 const RADIUS: f64 = 0.25;
 /// A part of a smaller area, in squares of a tile, keeps its points: the filter would make a point of it.
 const LEAST_AREA: f64 = 4.0;
+/// A point moves by no more than this share of the thickness of the wall there: both sides move.
+const SHARE_OF_THICKNESS: f64 = 0.1;
+/// The largest cosine of the normals of a wall's two sides.
+const OPPOSED: f64 = -0.5;
 /// The most rounds of smoothing: one is made where the surface is noisy still.
 pub(super) const MOST_ROUNDS: usize = 3;
 /// The residual at which the solve ends, as a share of the first one.
@@ -67,7 +73,36 @@ pub(super) fn smoothed(surface: &Surface, side: f64) -> Vec<Vec3> {
     let once = diffusion.solve(&given);
     let rest: Vec<DVec3> = given.iter().zip(&once).map(|(given, once)| *given - *once).collect();
     let again = diffusion.solve(&rest);
-    once.iter().zip(&again).map(|(once, again)| (*once + *again).as_vec3()).collect()
+    let smooth: Vec<DVec3> = once.iter().zip(&again).map(|(once, again)| *once + *again).collect();
+    within_walls(surface, &given, &smooth).into_iter().map(|point| point.as_vec3()).collect()
+}
+
+/// The smooth points, moved back where they have moved by more than a share of the thickness of a wall: the distance of a given point
+/// from a triangle that is opposed once it is smooth.
+fn within_walls(surface: &Surface, given: &[DVec3], smooth: &[DVec3]) -> Vec<DVec3> {
+    let double_area = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|v| smooth[v as usize]);
+        (b - a).cross(c - a)
+    };
+    let mut normals = vec![DVec3::ZERO; smooth.len()];
+    for triangle in &surface.triangles {
+        let normal = double_area(triangle);
+        triangle.iter().for_each(|&v| normals[v as usize] += normal);
+    }
+    let directions: Vec<DVec3> = surface.triangles.par_iter().map(|t| double_area(t).normalize_or_zero()).collect();
+    let tree = Triangles::new(surface);
+    let point = |v: usize| {
+        let (way, normal) = (smooth[v] - given[v], normals[v].normalize_or_zero());
+        let reach = way.length() / SHARE_OF_THICKNESS;
+        if reach == 0.0 {
+            return smooth[v];
+        }
+        let near = tree.within(given[v], reach).into_iter().filter(|&t| directions[t as usize].dot(normal) < OPPOSED);
+        let squared = |t: u32| squared_distance(given[v], surface.triangles[t as usize].map(|w| given[w as usize]));
+        let thickness = near.map(squared).fold(reach * reach, f64::min).sqrt();
+        given[v] + way * (thickness / reach)
+    };
+    (0..smooth.len()).into_par_iter().with_min_len(BLOCK).map(point).collect()
 }
 
 /// The equations of implicit diffusion; the values of some vertices are fixed.
@@ -239,12 +274,43 @@ mod tests {
         assert_eq!(fitted.features().curves().len(), 0);
         let moved = fitted.denoised().expect("it is noisy");
         assert!(moved.mean > 0.003 && moved.largest < 0.02, "{moved:?}");
+        let given = fitted.as_given().expect("its points moved");
+        assert!(given.points == noisy.points && given.triangles == noisy.triangles);
         // Also where no crease is to be a feature; where each is one, none is noise.
         let side = (side / noisy.frame().diagonal) as f32;
         let without = FeatureOptions { crease: 180.0, every_crease: true, ..FeatureOptions::default() };
         assert_eq!(noisy.clone().fitted(&without, side).denoised(), Some(moved));
         let each = FeatureOptions { every_crease: true, ..FeatureOptions::default() };
         assert_eq!(noisy.fitted(&each, side).denoised(), None);
+    }
+
+    #[test]
+    fn a_rod_thinner_than_the_filter_keeps_its_thickness() {
+        let (sectors, rings, radius) = (12, 300, 0.1);
+        let point = |k: usize| {
+            let angle = TAU * (k % sectors) as f64 / sectors as f64;
+            let here = radius * (1.0 + 0.2 * noise(k));
+            [here * angle.cos(), here * angle.sin(), 10.0 * (k / sectors) as f64 / rings as f64]
+        };
+        let at = |ring: usize, k: usize| (ring * sectors + k % sectors) as u32;
+        let cell = |k: usize| {
+            let [a, b] = [0, 1].map(|up| [0, 1].map(|along| at(k / sectors + up, k + along)));
+            [[a[0], a[1], b[1]], [a[0], b[1], b[0]]]
+        };
+        let points = (0..sectors * (rings + 1)).map(point).collect();
+        let rod =
+            surface(&Soup { points, triangles: (0..sectors * rings).flat_map(cell).collect(), ..Soup::default() });
+        let side = 1.0 / rod.frame.diagonal;
+        // In the middle; the rims stay.
+        let thinnest = |points: &[DVec3]| {
+            let places = points.iter().map(|p| DVec3::from(rod.frame().to_model((*p).into())));
+            places.filter(|p| (p.z - 5.0).abs() < 3.0).map(|p| p.truncate().length()).fold(f64::INFINITY, f64::min)
+        };
+        let smooth: Vec<DVec3> = smoothed(&rod, side).iter().map(|p| p.as_dvec3()).collect();
+        assert!(thinnest(&smooth) > 0.5 * radius, "{}", thinnest(&smooth));
+        let given: Vec<DVec3> = rod.points.iter().map(|point| point.as_dvec3()).collect();
+        let unbounded = Diffusion::new(&rod, side).solve(&given);
+        assert!(thinnest(&unbounded) < 0.3 * radius, "{}", thinnest(&unbounded));
     }
 
     #[test]

@@ -4,14 +4,16 @@
 //! A coarse surface is within a small part of a tile of the fine one, so the nearest triangle of the fine one, or the nearest
 //! segment of its features, is found among those whose bounding box, so much larger, holds the vertex.
 
+use super::Surface;
+use super::given::{Given, Sheets};
 use super::nearest::{nearest_on_segment, nearest_weights};
-use super::{Surface, given::Given};
 use crate::geometry::{cross, unit};
-use glam::{DVec3, IVec3, Vec3};
+use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
+use std::sync::Arc;
 
 /// The farthest projection, in tile sides.
-const FARTHEST: f64 = 0.02;
+pub(super) const FARTHEST: f64 = 0.02;
 /// The size of the cells in which vertices are found, in tile sides.
 const CELL: f64 = 0.5;
 /// The cosine of the largest angle between a vertex's normal and that of a triangle onto which it is projected.
@@ -20,8 +22,7 @@ const ALIKE: f32 = 0.3;
 /// The triangles and the feature edges of a surface.
 #[derive(Clone, Debug)]
 pub(super) struct Fine {
-    points: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
+    sheets: Arc<Sheets>,
     features: Vec<[u32; 2]>,
     given: Given,
     /// The side of tiles, unit-sized.
@@ -39,13 +40,12 @@ pub(crate) struct Projected {
 }
 
 impl Fine {
-    /// That of a surface for tiles of a side, unit-sized.
-    pub fn new(surface: &Surface, side: f64) -> Self {
+    /// That of a surface with these triangles, for tiles of a side, unit-sized.
+    pub fn new(surface: &Surface, sheets: Arc<Sheets>, side: f64) -> Self {
         let features = (0..3 * surface.triangle_count() as u32)
             .filter(|&h| surface.features.is_feature(h) && surface.twin(h).is_none_or(|twin| h < twin));
         Self {
-            points: surface.points.clone(),
-            triangles: surface.triangles.clone(),
+            sheets,
             features: features.map(|h| [surface.origin(h), surface.target(h)]).collect(),
             given: surface.given.clone(),
             side,
@@ -53,7 +53,7 @@ impl Fine {
     }
 
     fn place(&self, v: u32) -> DVec3 {
-        self.points[v as usize].as_dvec3()
+        self.sheets.points[v as usize].as_dvec3()
     }
 
     /// The places of vertices on this surface, in model units; `None` where it is not near.
@@ -87,13 +87,13 @@ impl Fine {
                 }
             }
         };
-        for corners in &self.triangles {
+        for corners in &self.sheets.triangles {
             let places = corners.map(|v| self.place(v));
             nearby(&places, &mut near);
             if near.is_empty() {
                 continue;
             }
-            let [a, b, c] = corners.map(|v| self.points[v as usize]);
+            let [a, b, c] = corners.map(|v| self.sheets.points[v as usize]);
             let normal = unit(cross(b - a, c - a));
             for &v in &near {
                 let vertex = &vertices[v as usize];

@@ -1,4 +1,4 @@
-//! The input behind a surface: the f64 coordinates of its vertices.
+//! The input behind a surface: the f64 coordinates of its vertices, and its triangles where noise was smoothed or they were coarsened.
 
 use super::split::Split;
 use super::{Frame, Soup, Surface};
@@ -6,6 +6,15 @@ use glam::{DVec3, Vec3};
 
 /// A vertex nearer than this to a corner of the input, in diagonals, is that corner: some roundings of f32.
 pub(super) const SAME: f64 = 1e-6;
+
+/// Triangles, unit-sized: those of a surface as they were given, or before it was coarsened.
+#[derive(Clone, Debug)]
+pub(crate) struct Sheets {
+    pub points: Vec<Vec3>,
+    pub triangles: Vec<[u32; 3]>,
+    /// How far the surface may be from them.
+    pub off: f64,
+}
 
 /// What a surface has of its input.
 #[derive(Clone, Debug, Default)]

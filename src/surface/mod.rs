@@ -60,6 +60,7 @@ pub(crate) use error::short;
 pub use error::{SurfaceError, shown};
 pub use features::{DroppedEdge, FeatureOptions, Features, Reason};
 pub(crate) use fine::Projected;
+pub(crate) use given::Sheets;
 pub use regions::Regions;
 pub use repairs::{Length, LengthError, Places, RepairOptions, Repairs};
 pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
@@ -185,6 +186,8 @@ pub struct Surface {
     dropped: Vec<DroppedEdge>,
     denoised: Option<Denoised>,
     given: Given,
+    /// The triangles as they were given; `None` where neither noise was smoothed nor they were coarsened.
+    as_given: Option<Arc<Sheets>>,
     /// The surface before it was coarsened; `None` where it was not.
     fine: Option<Arc<Fine>>,
     undivided: Undivided,
@@ -252,6 +255,7 @@ impl Surface {
             dropped: Vec::new(),
             denoised: None,
             given,
+            as_given: None,
             fine: None,
             undivided: Undivided::default(),
             frame,
@@ -338,6 +342,10 @@ impl Surface {
             return self;
         }
         self.given.follow(&before, &self.points, &self.frame);
+        if let Some(denoised) = self.denoised {
+            let off = denoised.largest / self.frame.diagonal;
+            self.as_given = Some(Arc::new(Sheets { points: before, triangles: self.triangles.clone(), off }));
+        }
         self.features.apexes = apexes::apexes(&self, f64::from(h), &|| progress.is_cancelled());
         if progress.is_cancelled() {
             return self;
@@ -429,6 +437,11 @@ impl Surface {
     /// The edges of the creases that are no features, as they do not persist at the scale of a tile.
     pub fn dropped_edges(&self) -> &[DroppedEdge] {
         &self.dropped
+    }
+
+    /// The triangles as they were given; `None` where they are those of this surface, perhaps divided.
+    pub(crate) fn as_given(&self) -> Option<&Sheets> {
+        self.as_given.as_deref()
     }
 
     /// How far the points of a noisy surface moved when it was smoothed; `None` where it is not noisy.
