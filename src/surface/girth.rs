@@ -141,11 +141,11 @@ fn girth(surface: &Surface, triangle: u32, most: f32) -> f32 {
 fn way_round(surface: &Surface, start: SurfacePoint, normal: Vec3, direction: Vec3, most: f32) -> f32 {
     let (mut length, mut from, mut is_round, mut least) = (0.0, start.position, false, f32::INFINITY);
     walk_through(&WithoutBarriers(surface), start.triangle, start.position, direction * most, WALK_EDGES, |passed| {
-        let agreement = surface.normal(passed.triangle as usize).dot(normal);
+        let agreement = passed.normal.dot(normal);
         is_round |= agreement < OPPOSED;
         let step = passed.to - from;
         let heading = unit(passed.heading);
-        if is_round && least.is_infinite() && agreement > ALIKE && heading.dot(direction) > AHEAD {
+        if is_round && agreement > ALIKE && heading.dot(direction) > AHEAD {
             let ahead = (start.position - from).dot(heading).clamp(0.0, step.length());
             let beside = start.position.distance(from + heading * ahead);
             let whole = length + ahead;
@@ -155,6 +155,8 @@ fn way_round(surface: &Surface, start: SurfacePoint, normal: Vec3, direction: Ve
         }
         length += step.length();
         from = passed.to;
+        // What is left may be too short to come back.
+        least.is_infinite() && start.position.distance(from) < BESIDE * most + most - length
     });
     least
 }

@@ -33,7 +33,8 @@ pub(super) fn turn(surface: &Surface, half_edge: u32, share: f32, reach: f32) ->
         let inward = cross(surface.normal(h as usize / 3), unit(b - a));
         let mut sum = DVec3::ZERO;
         let passed = |passed: Passed| {
-            sum += surface.normal(passed.triangle as usize).as_dvec3() * f64::from(passed.share);
+            sum += passed.normal.as_dvec3() * f64::from(passed.share);
+            true
         };
         walk_through(&WithoutBarriers(surface), h / 3, a + (b - a) * share, inward * reach, WALK_EDGES, passed);
         sum

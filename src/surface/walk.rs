@@ -56,12 +56,13 @@ pub(crate) fn walk_on(
     displacement: Vec3,
     edges: u32,
 ) -> SurfacePoint {
-    walk_through(triangles, triangle, position, displacement, edges, |_| ())
+    walk_through(triangles, triangle, position, displacement, edges, |_| true)
 }
 
 /// A part of a walk, in one triangle.
 pub(super) struct Passed {
-    pub triangle: u32,
+    /// The triangle's unit normal.
+    pub normal: Vec3,
     /// The share of the displacement that lies in it.
     pub share: f32,
     /// Where the walk leaves it, or ends.
@@ -70,23 +71,23 @@ pub(super) struct Passed {
     pub heading: Vec3,
 }
 
-/// As [`walk`]. `passed` receives the parts of the walk in turn.
+/// As [`walk`]. `passed` receives the parts of the walk in turn and says whether it goes on.
 pub(super) fn walk_through(
     triangles: &impl Walkable,
     triangle: u32,
     position: Vec3,
     displacement: Vec3,
     edges: u32,
-    mut passed: impl FnMut(Passed),
+    mut passed: impl FnMut(Passed) -> bool,
 ) -> SurfacePoint {
     let mut t = triangle;
     let mut p = position;
     let mut heading = displacement;
     let mut left = 1.0f32;
     let mut entered = NONE;
+    let with_normal = |corners: [Vec3; 3]| (corners, unit(cross(corners[1] - corners[0], corners[2] - corners[0])));
+    let (mut corners, mut normal) = with_normal(triangles.corners(t as usize));
     for _ in 0..edges {
-        let corners = triangles.corners(t as usize);
-        let normal = unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
         let step = heading * left;
         // The first edge by which the rest of the walk leaves the triangle.
         let (mut exit, mut share) = (NONE, 1.0f32);
@@ -107,9 +108,9 @@ pub(super) fn walk_through(
             }
         }
         p += step * share;
-        passed(Passed { triangle: t, share: left * share, to: p, heading });
-        if exit == NONE {
-            return SurfacePoint { triangle: t, position: onto_plane(p, corners[0], normal) };
+        let goes_on = passed(Passed { normal, share: left * share, to: p, heading });
+        if exit == NONE || !goes_on {
+            break;
         }
         left *= 1.0 - share;
         let k = exit as usize % 3;
@@ -124,13 +125,10 @@ pub(super) fn walk_through(
         let across = -dot(heading, cross(normal, along));
         t = twin / 3;
         entered = twin;
-        let beyond = triangles.corners(t as usize);
-        let beyond_normal = unit(cross(beyond[1] - beyond[0], beyond[2] - beyond[0]));
+        (corners, normal) = with_normal(triangles.corners(t as usize));
         // Seen from the other side the edge runs backwards, so its inward normal is that of `-along`.
-        heading = along * forward + cross(along, beyond_normal) * across;
+        heading = along * forward + cross(along, normal) * across;
     }
-    let corners = triangles.corners(t as usize);
-    let normal = unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
     SurfacePoint { triangle: t, position: onto_plane(p, corners[0], normal) }
 }
 
