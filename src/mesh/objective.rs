@@ -49,7 +49,7 @@ const CHORD_LOSS: f64 = 1.5;
 const EXCESS_CHORD_LOSS: f64 = 20.0;
 
 /// The distance, in edges, within which the mending of a face changes others.
-const MENDING_DISTANCE: f64 = 8.0;
+const MENDING_DISTANCE: f64 = 4.0;
 /// The loss of a chord at the tolerated distance.
 pub(crate) const TOLERATED_CHORD_LOSS: f64 = CHORD_LOSS * CHORD_TOLERANCE;
 
@@ -74,6 +74,7 @@ impl<'a> Context<'a> {
         self.disturb_where_nearest_decide(mesh);
     }
 
+    /// Ends the rest of the vertices about which the nearest triangles decide: faces are measured in another way there.
     fn disturb_where_nearest_decide(&self, mesh: &mut SurfaceMesh) {
         for v in 0..mesh.vertices().len() as u32 {
             if self.orientation.nearest_decide_at(mesh.point(v)) {

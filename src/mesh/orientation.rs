@@ -29,10 +29,10 @@ const BACK: f32 = -0.98;
 /// The orientation of a surface, with a tree of its triangles.
 pub(crate) struct Orientation<'a> {
     surface: &'a Surface,
-    sheets: Sheets<'a>,
+    sheets: SheetTree<'a>,
     /// The triangles as they were given, and how far the surface may be from them, from [`Self::regard_given`] on; `None` too where
     /// they are those of the surface.
-    given: Option<(Sheets<'a>, f64)>,
+    given: Option<(SheetTree<'a>, f64)>,
     /// Where the nearest triangles decide, whatever sheets are known at the corners of a face: cubes of a grid.
     nearest_decide: FxHashSet<IVec3>,
     /// The side of the cubes.
@@ -41,7 +41,7 @@ pub(crate) struct Orientation<'a> {
 
 impl<'a> Orientation<'a> {
     pub(crate) fn new(surface: &'a Surface) -> Self {
-        let sheets = Sheets::new(&surface.points, &surface.triangles);
+        let sheets = SheetTree::new(&surface.points, &surface.triangles);
         Self { surface, sheets, given: None, nearest_decide: FxHashSet::default(), side: 1.0 }
     }
 
@@ -49,7 +49,7 @@ impl<'a> Orientation<'a> {
     pub(crate) fn regard_given(&mut self) {
         if self.given.is_none() {
             let given = self.surface.as_given();
-            self.given = given.map(|given| (Sheets::new(&given.points, &given.triangles), given.off));
+            self.given = given.map(|given| (SheetTree::new(&given.points, &given.triangles), given.off));
         }
     }
 
@@ -127,13 +127,13 @@ impl<'a> Orientation<'a> {
 }
 
 /// Oriented triangles, in a tree.
-struct Sheets<'a> {
+struct SheetTree<'a> {
     points: &'a [Vec3],
     triangles: &'a [[u32; 3]],
     tree: Triangles,
 }
 
-impl<'a> Sheets<'a> {
+impl<'a> SheetTree<'a> {
     fn new(points: &'a [Vec3], triangles: &'a [[u32; 3]]) -> Self {
         let corners = |t: u32| triangles[t as usize].map(|v| points[v as usize].as_dvec3());
         Self { points, triangles, tree: Triangles::of(triangles.len() as u32, corners) }
@@ -266,7 +266,7 @@ mod tests {
         let off = 1e-3;
         for (apart, is_opposed) in [(0.0, true), (0.5 * off, true), (2.0 * off, false)] {
             let points: Vec<Vec3> = surface.points.iter().map(|&p| p + Vec3::Z * apart as f32).collect();
-            let given = Some((Sheets::new(&points, &turned), off));
+            let given = Some((SheetTree::new(&points, &turned), off));
             let orientation = Orientation { given, ..Orientation::new(&surface) };
             assert_eq!(orientation.opposes(&face, unknown()), is_opposed, "{apart}: farther ones are not searched");
         }

@@ -11,7 +11,7 @@
 //! the thickness of a wall. [`Denoised`] tells how far points moved.
 //! The radius is the same everywhere: thin parts are found where a surface is noisy, too (docs/experiments.md, features at the scale of a tile).
 
-use super::nearest::{Triangles, squared_distance};
+use super::nearest::Triangles;
 use super::{DroppedEdge, NONE, Reason, Surface};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -80,27 +80,25 @@ pub(super) fn smoothed(surface: &Surface, side: f64) -> Vec<Vec3> {
 /// The smooth points, moved back where they have moved by more than a share of the thickness of a wall: the distance of a given point
 /// from a triangle that is opposed once it is smooth.
 fn within_walls(surface: &Surface, given: &[DVec3], smooth: &[DVec3]) -> Vec<DVec3> {
-    let double_area = |triangle: &[u32; 3]| {
+    let vector_area = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|v| smooth[v as usize]);
         (b - a).cross(c - a)
     };
     let mut normals = vec![DVec3::ZERO; smooth.len()];
     for triangle in &surface.triangles {
-        let normal = double_area(triangle);
-        triangle.iter().for_each(|&v| normals[v as usize] += normal);
+        let area = vector_area(triangle);
+        triangle.iter().for_each(|&v| normals[v as usize] += area);
     }
-    let directions: Vec<DVec3> = surface.triangles.par_iter().map(|t| double_area(t).normalize_or_zero()).collect();
+    let directions: Vec<DVec3> = surface.triangles.par_iter().map(|t| vector_area(t).normalize_or_zero()).collect();
     let tree = Triangles::new(surface);
     let point = |v: usize| {
         let (way, normal) = (smooth[v] - given[v], normals[v].normalize_or_zero());
-        let reach = way.length() / SHARE_OF_THICKNESS;
-        if reach == 0.0 {
-            return smooth[v];
+        let length = way.length();
+        let is_opposed = |t: u32| directions[t as usize].dot(normal) < OPPOSED;
+        match tree.nearest_of(given[v], length / SHARE_OF_THICKNESS, is_opposed) {
+            Some((_, thickness)) => given[v] + way * (SHARE_OF_THICKNESS * thickness / length),
+            None => smooth[v],
         }
-        let near = tree.within(given[v], reach).into_iter().filter(|&t| directions[t as usize].dot(normal) < OPPOSED);
-        let squared = |t: u32| squared_distance(given[v], surface.triangles[t as usize].map(|w| given[w as usize]));
-        let thickness = near.map(squared).fold(reach * reach, f64::min).sqrt();
-        given[v] + way * (thickness / reach)
     };
     (0..smooth.len()).into_par_iter().with_min_len(BLOCK).map(point).collect()
 }

@@ -103,17 +103,22 @@ impl Triangles {
 
     /// The triangle nearest to a point, and its distance.
     pub fn nearest(&self, point: DVec3) -> (u32, f64) {
-        let (mut best, mut squared) = (u32::MAX, f64::INFINITY);
+        self.nearest_of(point, f64::INFINITY, |_| true).unwrap_or((u32::MAX, f64::INFINITY))
+    }
+
+    /// The nearest of some triangles and its distance; `None` where none is nearer than `farthest`.
+    pub fn nearest_of(&self, point: DVec3, farthest: f64, is_one: impl Fn(u32) -> bool) -> Option<(u32, f64)> {
+        let (mut best, mut squared) = (None, farthest * farthest);
         self.boxes.approach(point, squared, |places| {
             for place in places {
                 let distance = squared_distance(point, self.corners[place]);
-                if distance < squared {
-                    (best, squared) = (self.boxes.order()[place], distance);
+                if distance < squared && is_one(self.boxes.order()[place]) {
+                    (best, squared) = (Some(self.boxes.order()[place]), distance);
                 }
             }
             squared
         });
-        (best, squared.sqrt())
+        Some((best?, squared.sqrt()))
     }
 
     /// The triangles that are no farther than this from a point.
