@@ -36,6 +36,11 @@ fn half_angle(c: f32, s: f32) -> (f32, f32) {
     }
 }
 
+/// The unit normal of a triangle.
+pub(crate) fn triangle_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    unit(cross(b - a, c - a))
+}
+
 /// One of the four directions of a cross from its representation `z = (cos 4t, sin 4t)`: `(cos t, sin t)`.
 ///
 /// No trigonometry, so that the kernels can do the same bit for bit. A `z` of length zero gives direction `(1, 0)`.
@@ -63,7 +68,7 @@ pub(crate) fn barycentric([a, b, c]: [Vec3; 3], position: Vec3) -> [f32; 2] {
 /// One direction of the cross at a point of a triangle with these barycentric coordinates at its second and third corner;
 /// `z` are the crosses at its corners, against its first edge.
 pub(crate) fn axis_at([a, b, c]: [Vec3; 3], z: [[f32; 2]; 3], [wb, wc]: [f32; 2]) -> Vec3 {
-    let normal = unit(cross(b - a, c - a));
+    let normal = triangle_normal([a, b, c]);
     let wa = (1.0 - wb - wc).max(0.0);
     let blend = [z[0][0] * wa + z[1][0] * wb + z[2][0] * wc, z[0][1] * wa + z[1][1] * wb + z[2][1] * wc];
     let (x, y) = fourth_root(blend);

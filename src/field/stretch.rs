@@ -24,7 +24,7 @@ use super::constraints::DirectionConstraint;
 use super::matching::{Matching, axes};
 use super::{Field, Guide, Sectors, guides};
 use crate::compute::{Backend, Complex, ComputeError, Link};
-use crate::geometry::{barycentric, cross, dot, unit};
+use crate::geometry::{barycentric, cross, dot, triangle_normal, unit};
 use crate::sizes::Growth;
 use crate::solver::{Hierarchy, Problem, Terms};
 use crate::surface::{Surface, next, previous};
@@ -179,9 +179,8 @@ impl Stretch {
         let weights = [(1.0 - wb - wc).max(0.0), wb, wc];
         let z = self.in_triangles[triangle as usize];
         let [x, y] = [0, 1].map(|k| (0..3).map(|corner| z[corner][k] * weights[corner]).sum::<f32>());
-        let [a, b, c] = corners;
-        let first = unit(b - a);
-        let normal = unit(cross(b - a, c - a));
+        let first = unit(corners[1] - corners[0]);
+        let normal = triangle_normal(corners);
         let (cosine, sine) = (dot(direction, first), dot(direction, cross(normal, first)));
         (x * (cosine * cosine - sine * sine) + y * (2.0 * cosine * sine)).exp()
     }

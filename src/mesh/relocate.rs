@@ -8,7 +8,8 @@
 //! and feature edges at the vertex improves.
 //!
 //! Vertices that share no face move at the same time: a greedy colouring in the order of the vertices gives the sets, so the
-//! result does not depend on the number of threads. A vertex is visited again once one of its faces has changed.
+//! result does not depend on the number of threads. A vertex is visited again once one of its faces has changed, and rests until then
+//! over further relocations. Where the nearest triangles decide, no move makes a face oppose them.
 //!
 //! # Changes versus the paper
 //! The paper does not move vertices.
@@ -132,17 +133,9 @@ impl<'a> Sweeps<'a> {
     }
 
     fn relocate(&mut self, mesh: &mut SurfaceMesh, passes: usize) {
-        self.disturb_faults(mesh);
         self.match_shapes(mesh, passes);
         self.search_imperfect(mesh);
         self.search_poor(mesh);
-        self.disturb_faults(mesh);
-    }
-
-    /// The vertices of faults are not at rest: whether a face is inverted can depend on the moves that led to it.
-    fn disturb_faults(&self, mesh: &mut SurfaceMesh) {
-        let faults = (0..).zip(&self.measures).filter(|(_, measure)| measure.is_fault);
-        faults.for_each(|(f, _)| mesh.disturb_face(f));
     }
 
     /// Passes of shape matching.
@@ -195,9 +188,9 @@ impl<'a> Sweeps<'a> {
                 .par_iter()
                 .with_min_len(128)
                 .filter(is_visited)
-                .map(|&v| (v, if step.is_vain(mesh.rest(v)) { None } else { view.better(v, step) }))
+                .map(|&v| (v, if step.is_vain(view.rest(v)) { None } else { view.better(v, step) }))
                 .collect();
-            let rests: Vec<Rest> = found.par_iter().with_min_len(256).map(|&(v, _)| view.rest(v, step)).collect();
+            let rests: Vec<Rest> = found.par_iter().with_min_len(256).map(|&(v, _)| view.rest_after(v, step)).collect();
             for (&(v, ref position), rest) in found.iter().zip(rests) {
                 self.is_waiting[v as usize] = false;
                 match position {
@@ -248,10 +241,17 @@ impl View<'_> {
         measures.map(Measure::shape_unless_fault).fold(1.0, f64::min)
     }
 
-    /// The rest of a vertex for which a step has found nothing.
-    fn rest(&self, v: u32, step: Step) -> Rest {
-        let rest = self.mesh.rest(v);
+    /// The rest of a vertex; none beside a fault, as whether a face is inverted can depend on the moves that led to it.
+    fn rest(&self, v: u32) -> Rest {
+        let has_fault = self.mesh.around(v).iter().any(|&f| self.sweeps.measures[f as usize].is_fault);
+        if has_fault { Rest::default() } else { self.mesh.rest(v) }
+    }
+
+    /// The rest of a vertex once a step has found nothing.
+    fn rest_after(&self, v: u32, step: Step) -> Rest {
+        let rest = self.rest(v);
         match step {
+            _ if self.worst(v) == 0.0 => Rest::default(),
             Step::Match if self.worst(v) >= POOR && !self.leaves_its_curve(v) => Rest { matched: true, ..rest },
             Step::Match => Rest { matched: true, searched: true },
             Step::Search(_) => Rest { searched: true, ..rest },

@@ -153,14 +153,14 @@ impl SurfaceMesh {
     }
 
     /// Ends the rest of the vertices of a face.
-    pub(crate) fn disturb_face(&mut self, face: u32) {
+    fn disturb_face(&mut self, face: u32) {
         self.faces.get(face).iter().for_each(|&v| self.rests[v as usize] = Rest::default());
     }
 
     /// Ends the rest of the vertices of the faces at a vertex.
     pub(crate) fn disturb(&mut self, v: u32) {
-        for &face in self.around.get(v) {
-            self.faces.get(face).iter().for_each(|&w| self.rests[w as usize] = Rest::default());
+        for k in 0..self.around.get(v).len() {
+            self.disturb_face(self.around.get(v)[k]);
         }
     }
 

@@ -68,13 +68,18 @@ pub(super) fn is_noisy(surface: &Surface, dropped: &[DroppedEdge], side: f64) ->
 
 /// The smoothed points of a surface for tiles of a side, unit-sized.
 pub(super) fn smoothed(surface: &Surface, side: f64) -> Vec<Vec3> {
-    let diffusion = Diffusion::new(surface, side);
     let given: Vec<DVec3> = surface.points.iter().map(|point| point.as_dvec3()).collect();
-    let once = diffusion.solve(&given);
+    let filtered = filtered(surface, &given, side);
+    within_walls(surface, &given, &filtered).into_iter().map(|point| point.as_vec3()).collect()
+}
+
+/// The given points after the filter.
+fn filtered(surface: &Surface, given: &[DVec3], side: f64) -> Vec<DVec3> {
+    let diffusion = Diffusion::new(surface, side);
+    let once = diffusion.solve(given);
     let rest: Vec<DVec3> = given.iter().zip(&once).map(|(given, once)| *given - *once).collect();
     let again = diffusion.solve(&rest);
-    let smooth: Vec<DVec3> = once.iter().zip(&again).map(|(once, again)| *once + *again).collect();
-    within_walls(surface, &given, &smooth).into_iter().map(|point| point.as_vec3()).collect()
+    once.iter().zip(&again).map(|(once, again)| *once + *again).collect()
 }
 
 /// The smooth points, moved back where they have moved by more than a share of the thickness of a wall: the distance of a given point
@@ -307,7 +312,7 @@ mod tests {
         let smooth: Vec<DVec3> = smoothed(&rod, side).iter().map(|p| p.as_dvec3()).collect();
         assert!(thinnest(&smooth) > 0.5 * radius, "{}", thinnest(&smooth));
         let given: Vec<DVec3> = rod.points.iter().map(|point| point.as_dvec3()).collect();
-        let unbounded = Diffusion::new(&rod, side).solve(&given);
+        let unbounded = filtered(&rod, &given, side);
         assert!(thinnest(&unbounded) < 0.3 * radius, "{}", thinnest(&unbounded));
     }
 

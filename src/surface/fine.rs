@@ -7,7 +7,7 @@
 use super::Surface;
 use super::given::{Given, Sheets};
 use super::nearest::{nearest_on_segment, nearest_weights};
-use crate::geometry::{cross, unit};
+use crate::geometry::triangle_normal;
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
@@ -93,8 +93,7 @@ impl Fine {
             if near.is_empty() {
                 continue;
             }
-            let [a, b, c] = corners.map(|v| self.sheets.points[v as usize]);
-            let normal = unit(cross(b - a, c - a));
+            let normal = triangle_normal(corners.map(|v| self.sheets.points[v as usize]));
             for &v in &near {
                 let vertex = &vertices[v as usize];
                 if vertex.is_on_feature || normal.dot(vertex.normal.as_vec3()) < ALIKE {

@@ -65,7 +65,7 @@ pub use regions::Regions;
 pub use repairs::{Length, LengthError, Places, RepairOptions, Repairs};
 pub(crate) use walk::{WALK_EDGES, Walkable, next_corner, previous_corner, walk, walk_on};
 
-use crate::geometry::{cross, dot, scattered, unit};
+use crate::geometry::{cross, dot, scattered, triangle_normal};
 use crate::progress::{Progress, unwatched};
 use crate::sets::Sets;
 use adjacency::Adjacency;
@@ -505,8 +505,7 @@ impl Surface {
 
     /// The unit normal of a triangle.
     pub(crate) fn normal(&self, triangle: usize) -> Vec3 {
-        let [a, b, c] = self.corners(triangle);
-        unit(cross(b - a, c - a))
+        triangle_normal(self.corners(triangle))
     }
 
     /// Whether a half-edge is a feature whatever its angle.

@@ -4,7 +4,7 @@
 //! thin part, as a closest-point projection does. At a feature it continues along the feature.
 
 use super::{NONE, Surface, SurfacePoint, next, previous};
-use crate::geometry::{cross, dot, unit};
+use crate::geometry::{cross, dot, triangle_normal, unit};
 use glam::Vec3;
 
 /// The edges that one walk may cross; a longer one ends early.
@@ -85,7 +85,7 @@ pub(super) fn walk_through(
     let mut heading = displacement;
     let mut left = 1.0f32;
     let mut entered = NONE;
-    let with_normal = |corners: [Vec3; 3]| (corners, unit(cross(corners[1] - corners[0], corners[2] - corners[0])));
+    let with_normal = |corners: [Vec3; 3]| (corners, triangle_normal(corners));
     let (mut corners, mut normal) = with_normal(triangles.corners(t as usize));
     for _ in 0..edges {
         let step = heading * left;
