@@ -307,7 +307,7 @@ fn meshed(
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits) {
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
     }
-    let (mut without_discs, edits_before) = (mesh.clone(), edits);
+    let (without_discs, edits_before) = (mesh.clone(), edits);
     if let (Some(connectivity), Some(edits)) = (connectivity, &mut edits)
         && quadrangulate(&context, &mut mesh, &connectivity, edits)
     {
@@ -325,7 +325,7 @@ fn meshed(
     }
     let mut finished = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
     if has_discs && (1..=MOST_FAULTS_OF_DISCS).contains(&wrong(&finished)) && !is_late {
-        context.let_nearest_decide(&mut without_discs, &[]);
+        context.let_nearest_decide(&without_discs, &[]);
         let mut other_edits = edits_before;
         let (mesh, opposed) = settled(&mut context, without_discs, connectivity, options.smoothing, &mut other_edits);
         let other = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
@@ -354,7 +354,7 @@ fn settled(
     if let (Some(connectivity), Some(edits)) = (connectivity, edits)
         && (1..=mesh.faces().count() / THIN).contains(&opposed.len())
     {
-        context.let_nearest_decide(&mut mesh, &opposed);
+        context.let_nearest_decide(&mesh, &opposed);
         untangle_and_relocate(context, &mut mesh, &connectivity, passes, edits);
         mesh = mesh.compacted();
         let left = mesh.faults(context);

@@ -65,22 +65,11 @@ pub struct Context<'a> {
 impl<'a> Context<'a> {
     /// From now on the triangles nearest to a face decide whether it is inverted, whatever sheet it was made on, about these faces and
     /// those that their mending can change.
-    pub(crate) fn let_nearest_decide(&mut self, mesh: &mut SurfaceMesh, faces: &[u32]) {
-        self.disturb_where_nearest_decide(mesh);
+    pub(crate) fn let_nearest_decide(&mut self, mesh: &SurfaceMesh, faces: &[u32]) {
         let corners = || faces.iter().map(|&face| mesh.face(face));
         let middle = |face: &[u32]| orientation::middle(&face.iter().map(|&v| mesh.point(v)).collect::<Vec<DVec3>>());
         let longest = corners().flatten().map(|&v| mesh.mean_edge_at(v)).fold(0.0, f64::max);
         self.orientation.let_nearest_decide(corners().map(middle), MENDING_DISTANCE * longest);
-        self.disturb_where_nearest_decide(mesh);
-    }
-
-    /// Ends the rest of the vertices about which the nearest triangles decide: faces are measured in another way there.
-    fn disturb_where_nearest_decide(&self, mesh: &mut SurfaceMesh) {
-        for v in 0..mesh.vertices().len() as u32 {
-            if self.orientation.nearest_decide_at(mesh.point(v)) {
-                mesh.disturb(v);
-            }
-        }
     }
 
     /// From now on the triangles as they were given count where the nearest ones decide.

@@ -8,8 +8,8 @@
 //! and feature edges at the vertex improves.
 //!
 //! Vertices that share no face move at the same time: a greedy colouring in the order of the vertices gives the sets, so the
-//! result does not depend on the number of threads. A vertex is visited again once one of its faces has changed, and rests until then
-//! over further relocations. Where the nearest triangles decide, no move makes a face oppose them.
+//! result does not depend on the number of threads. A vertex is visited again once one of its faces has changed.
+//! Where the nearest triangles decide, no move makes a face oppose them.
 //!
 //! # Changes versus the paper
 //! The paper does not move vertices.
@@ -21,7 +21,7 @@
 use super::metric::{MetricMap, from_metric, to_metric};
 use super::objective::{Context, FLOOR, Measure, POOR, Score, TOLERATED_CHORD_LOSS, TRIANGLE_WEIGHT, chord_loss};
 use super::orientation::middle;
-use super::surface_mesh::{Rest, SurfaceMesh};
+use super::surface_mesh::SurfaceMesh;
 use super::vertex::{Place, Position, walked};
 use crate::surface::NONE;
 use glam::DVec3;
@@ -86,16 +86,6 @@ enum Step {
     Match,
     /// A search where a face has a smaller shape than this.
     Search(f64),
-}
-
-impl Step {
-    /// Whether a vertex at rest would find nothing.
-    fn is_vain(self, rest: Rest) -> bool {
-        match self {
-            Self::Match => rest.matched,
-            Self::Search(_) => rest.searched,
-        }
-    }
 }
 
 /// The state of a relocation.
@@ -176,8 +166,7 @@ impl<'a> Sweeps<'a> {
         }
     }
 
-    /// Visits each waiting vertex once, colour by colour; returns whether any has moved. Where a vertex has found no better position
-    /// by the same step since its faces last changed, the visit is spared.
+    /// Visits each waiting vertex once, colour by colour; returns whether any has moved.
     fn sweep(&mut self, mesh: &mut SurfaceMesh, step: Step) -> bool {
         let mut any = false;
         for k in 0..self.colours.len() {
@@ -188,14 +177,12 @@ impl<'a> Sweeps<'a> {
                 .par_iter()
                 .with_min_len(128)
                 .filter(is_visited)
-                .map(|&v| (v, if step.is_vain(view.rest(v)) { None } else { view.better(v, step) }))
+                .map(|&v| (v, view.better(v, step)))
                 .collect();
-            let rests: Vec<Rest> = found.par_iter().with_min_len(256).map(|&(v, _)| view.rest_after(v, step)).collect();
-            for (&(v, ref position), rest) in found.iter().zip(rests) {
+            for &(v, ref position) in &found {
                 self.is_waiting[v as usize] = false;
-                match position {
-                    Some(position) => mesh.set_position(v, position, self.context.surface),
-                    None => mesh.set_rest(v, rest),
+                if let Some(position) = position {
+                    mesh.set_position(v, position, self.context.surface);
                 }
             }
             let moved = found.iter().filter(|(_, position)| position.is_some());
@@ -239,23 +226,6 @@ impl View<'_> {
     fn worst(&self, v: u32) -> f64 {
         let measures = self.mesh.around(v).iter().map(|&f| &self.sweeps.measures[f as usize]);
         measures.map(Measure::shape_unless_fault).fold(1.0, f64::min)
-    }
-
-    /// The rest of a vertex; none beside a fault, as whether a face is inverted can depend on the moves that led to it.
-    fn rest(&self, v: u32) -> Rest {
-        let has_fault = self.mesh.around(v).iter().any(|&f| self.sweeps.measures[f as usize].is_fault);
-        if has_fault { Rest::default() } else { self.mesh.rest(v) }
-    }
-
-    /// The rest of a vertex once a step has found nothing.
-    fn rest_after(&self, v: u32, step: Step) -> Rest {
-        let rest = self.rest(v);
-        match step {
-            _ if self.worst(v) == 0.0 => Rest::default(),
-            Step::Match if self.worst(v) >= POOR && !self.leaves_its_curve(v) => Rest { matched: true, ..rest },
-            Step::Match => Rest { matched: true, searched: true },
-            Step::Search(_) => Rest { searched: true, ..rest },
-        }
     }
 
     /// A better position of a vertex, if one is found.
@@ -537,45 +507,6 @@ mod tests {
         Surface::new(&Soup { points, triangles, ..Soup::default() }, &options).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// A grid of 12 x 12 squares of side 1 whose points are displaced, the quads of a wavy surface below it.
-    fn grid(displaced: f64) -> (Vec<[f64; 3]>, Vec<[u32; 4]>) {
-        let point = |k: u32| {
-            let [i, j] = [k % 13, k / 13].map(f64::from);
-            let is_inside = [i, j].iter().all(|x| (1.0..12.0).contains(x));
-            let off = if is_inside { displaced } else { 0.0 };
-            let [x, y] = [i + off * (f64::from(k) * 2.3).sin(), j + off * (f64::from(k) * 3.7).cos()];
-            [x, y, 0.3 * (0.5 * x).sin()]
-        };
-        let quad = |k: u32| [k, k + 1, k + 14, k + 13];
-        ((0..169).map(point).collect(), (0..156).filter(|k| k % 13 < 12).map(quad).collect())
-    }
-
-    #[test]
-    fn vertices_at_rest_would_not_move() {
-        let (points, quads) = grid(0.0);
-        let surface = surface(points, &quads);
-        let context = Context::new(&surface);
-        let mut mesh = Mesh::new(grid(0.45).0);
-        quads.iter().for_each(|quad| mesh.push_face(quad));
-        let mut mesh = SurfaceMesh::of(&context, &mesh);
-        for passes in [1, 2, 6] {
-            relocate(&context, &mut mesh, passes);
-            let with = |rest: &dyn Fn(Rest) -> Rest| {
-                let mut other = mesh.clone();
-                (0..169).for_each(|v| other.set_rest(v, rest(mesh.rest(v))));
-                relocate(&context, &mut other, passes);
-                other.to_mesh()
-            };
-            let known = with(&|rest| rest);
-            assert_eq!(known, with(&|_| Rest::default()), "{passes} passes");
-            if passes == 1 {
-                let all = with(&|_| Rest { matched: true, searched: true });
-                assert!(known != mesh.to_mesh() && all == mesh.to_mesh(), "others still move");
-            }
-        }
-        assert!((0..169).any(|v| mesh.rest(v).matched));
-    }
-
     #[test]
     fn no_vertex_moves_so_that_a_face_crosses_a_wall_where_the_nearest_triangles_decide() {
         // A wall of thickness 0.1 with a rim at x = 0, and a face across its rim.
@@ -585,7 +516,7 @@ mod tests {
         let mut context = Context::new(&surface);
         let mut mesh = Mesh::new(vec![[0.05, 0.2, 0.0], [0.05, 0.2, 0.1], [0.05, 0.8, 0.1], [0.05, 0.8, 0.0]]);
         mesh.push_face(&[0, 1, 2, 3]);
-        let mut mesh = SurfaceMesh::of(&context, &mesh);
+        let mesh = SurfaceMesh::of(&context, &mesh);
         assert!(mesh.faults(&context).is_empty());
         let far =
             Position { point: DVec3::from(surface.frame().to_unit([1.0, 0.2, 0.1])), ..Position::from(mesh.vertex(1)) };
@@ -593,7 +524,7 @@ mod tests {
             View { sweeps: &Sweeps::new(context, mesh), mesh }.adds_opposed(1, position)
         };
         assert!(!adds(&context, &mesh, &far));
-        context.let_nearest_decide(&mut mesh, &[0]);
+        context.let_nearest_decide(&mesh, &[0]);
         assert!(adds(&context, &mesh, &far));
         assert!(!adds(&context, &mesh, &Position::from(mesh.vertex(1))));
     }

@@ -15,18 +15,10 @@ use crate::surface::{NONE, Surface};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-/// Which steps of relocation have found no better position of a vertex since its faces last changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Rest {
-    pub matched: bool,
-    pub searched: bool,
-}
-
 /// A polygon mesh on a surface, with the faces at each vertex and the metric of its shapes.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceMesh {
     vertices: Vec<Vertex>,
-    rests: Vec<Rest>,
     faces: Rows,
     around: Rows,
     /// The curve of each edge on a feature, the smaller end first. Boundary edges are among them.
@@ -46,8 +38,7 @@ impl SurfaceMesh {
         let rows = faces.iter().map(Vec::as_slice);
         let around = Rows::transposed(rows, vertices.len());
         let faces = Rows::new(faces.iter().map(Vec::len), faces.concat());
-        let rests = vec![Rest::default(); vertices.len()];
-        let mut mesh = Self { vertices, rests, faces, around, features, metric };
+        let mut mesh = Self { vertices, faces, around, features, metric };
         for v in 0..mesh.vertices.len() as u32 {
             if !mesh.vertices[v as usize].is_free() {
                 mesh.vertices[v as usize].valence = mesh.wanted_valence(v);
@@ -136,32 +127,9 @@ impl SurfaceMesh {
                     ..*vertex
                 };
                 any = true;
-                self.disturb(v);
             }
         }
         any
-    }
-
-    /// The rest of a vertex.
-    pub(crate) fn rest(&self, v: u32) -> Rest {
-        self.rests[v as usize]
-    }
-
-    /// Sets the rest of a vertex, until one of its faces changes.
-    pub(crate) fn set_rest(&mut self, v: u32, rest: Rest) {
-        self.rests[v as usize] = rest;
-    }
-
-    /// Ends the rest of the vertices of a face.
-    fn disturb_face(&mut self, face: u32) {
-        self.faces.get(face).iter().for_each(|&v| self.rests[v as usize] = Rest::default());
-    }
-
-    /// Ends the rest of the vertices of the faces at a vertex.
-    pub(crate) fn disturb(&mut self, v: u32) {
-        for k in 0..self.around.get(v).len() {
-            self.disturb_face(self.around.get(v)[k]);
-        }
     }
 
     /// The neighbours of a vertex along a feature curve.
@@ -180,7 +148,6 @@ impl SurfaceMesh {
     /// Adds a vertex without faces; it takes the metric of the vertex `like`.
     pub(crate) fn add_vertex(&mut self, vertex: Vertex, like: u32) -> u32 {
         self.vertices.push(vertex);
-        self.rests.push(Rest::default());
         self.around.add();
         self.metric.copy(like);
         self.vertices.len() as u32 - 1
@@ -193,7 +160,6 @@ impl SurfaceMesh {
         if vertex.is_free() {
             vertex.normal = surface.normal(position.triangles[0] as usize).as_dvec3();
         }
-        self.disturb(v);
     }
 
     /// Replaces the vertices of a face; no vertices remove the face, and the id after the last one adds a face.
@@ -201,7 +167,6 @@ impl SurfaceMesh {
         if face as usize == self.face_bound() {
             self.faces.add();
         }
-        self.disturb_face(face);
         for &v in self.faces.get(face) {
             self.around.remove(v, face);
         }
@@ -209,12 +174,10 @@ impl SurfaceMesh {
         for &v in corners {
             self.around.push(v, face);
         }
-        self.disturb_face(face);
     }
 
     /// Sets the feature curve of an edge; `None`: it lies on no feature.
     pub(crate) fn set_feature(&mut self, edge: [u32; 2], curve: Option<u32>) {
-        edge.iter().for_each(|&v| self.rests[v as usize] = Rest::default());
         match curve {
             Some(curve) => self.features.insert(undirected(edge), curve),
             None => self.features.remove(&undirected(edge)),
@@ -256,7 +219,6 @@ impl SurfaceMesh {
         let around = Rows::transposed(faces.iter().map(Vec::as_slice), kept.len());
         Self {
             vertices: kept.iter().map(|&v| self.vertices[v as usize]).collect(),
-            rests: kept.iter().map(|&v| self.rests[v as usize]).collect(),
             around,
             features: features.filter(|(ends, _)| !ends.contains(&NONE)).collect(),
             metric: self.metric.of(&kept),
