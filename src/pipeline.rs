@@ -44,7 +44,7 @@ use crate::mesh::finish::{Finished, finish, joined};
 use crate::mesh::relocate::{relocate, relocate_about};
 use crate::mesh::snap::snap;
 use crate::mesh::triangulate::triangulate_while;
-use crate::mesh::{Context, Mesh, SurfaceMesh, Triangulation, VertexAttributes};
+use crate::mesh::{Context, Mesh, Standing, SurfaceMesh, Triangulation, VertexAttributes};
 use crate::mosaic::{self, Effort, Mosaic, MosaicBuilder};
 use crate::parametrize::Rows;
 use crate::parametrize::integrable_sizes::{integrable_sizes, limit_chord_error};
@@ -321,7 +321,7 @@ fn meshed(
     let is_late = clock.progress.late().is_some();
     if is_late {
         // The search for them was ended too.
-        opposed = mesh.opposed_faces(&context);
+        opposed = mesh.opposed_faces(&context, Standing::Against);
     }
     let mut finished = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
     if has_discs && (1..=MOST_FAULTS_OF_DISCS).contains(&wrong(&finished)) && !is_late {
@@ -350,7 +350,8 @@ fn settled(
     }
     mesh = mesh.compacted();
     context.regard_given();
-    let mut opposed = mesh.opposed_faces(context);
+    // One that stands perpendicular is mended too, and is none of those that are told.
+    let mut opposed = mesh.opposed_faces(context, Standing::Perpendicular);
     if let (Some(connectivity), Some(edits)) = (connectivity, edits)
         && (1..=mesh.faces().count() / THIN).contains(&opposed.len())
     {
@@ -362,7 +363,9 @@ fn settled(
             untangle_and_relocate(context, &mut mesh, &connectivity, passes, edits);
             mesh = mesh.compacted();
         }
-        opposed = mesh.opposed_faces(context);
+    }
+    if !opposed.is_empty() {
+        opposed = mesh.opposed_faces(context, Standing::Against);
     }
     (mesh, opposed)
 }
@@ -386,7 +389,7 @@ fn completed(
     if passes == 0 || !finished.differences.iter().any(is_uncovered) || !cover(context, &mut mesh) {
         return finished;
     }
-    let covered = finish(context, &mesh, &mesh.opposed_faces(context), mosaic, triangulation);
+    let covered = finish(context, &mesh, &mesh.opposed_faces(context, Standing::Against), mosaic, triangulation);
     if wrong(&covered) < wrong(&finished) { covered } else { finished }
 }
 

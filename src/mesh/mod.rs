@@ -37,6 +37,7 @@ mod vertex;
 pub use attributes::{VertexAttributes, VertexKind};
 pub use metric::Metric;
 pub use objective::Context;
+pub(crate) use orientation::Standing;
 pub use read::{read_mesh, read_mesh_as};
 pub use surface_mesh::SurfaceMesh;
 pub use topology::Topology;

@@ -10,7 +10,7 @@
 //! Compare two [`Score`]s of the same part of a mesh, before a change and after it, by [`Score::beats`].
 
 use super::metric::{MetricMap, to_metric};
-use super::orientation::{self, Orientation};
+use super::orientation::{self, Orientation, Standing};
 use super::quality::{quad_shape, scaled_jacobian, triangle_shape};
 use super::surface_mesh::SurfaceMesh;
 use super::vertex::Place;
@@ -247,18 +247,19 @@ impl SurfaceMesh {
         })
     }
 
-    /// The faces whose normals point against the triangles nearest to their middles, of all sheets: those that were given, once they are
-    /// [regarded](Context::regard_given).
-    pub(crate) fn opposed_faces(&self, context: &Context) -> Vec<u32> {
-        let is_opposed =
-            |&face: &u32| !self.face(face).is_empty() && !context.is_cancelled() && self.opposes_nearest(context, face);
+    /// The faces that stand against the triangles nearest to their middles, or no better than `worst`: of all sheets, those that were
+    /// given, once they are [regarded](Context::regard_given).
+    pub(crate) fn opposed_faces(&self, context: &Context, worst: Standing) -> Vec<u32> {
+        let is_opposed = |&face: &u32| {
+            !self.face(face).is_empty() && !context.is_cancelled() && self.standing(context, face) >= worst
+        };
         (0..self.face_bound() as u32).into_par_iter().with_min_len(1024).filter(is_opposed).collect()
     }
 
-    fn opposes_nearest(&self, context: &Context, face: u32) -> bool {
+    fn standing(&self, context: &Context, face: u32) -> Standing {
         let corners = self.face(face);
         let points: Vec<DVec3> = corners.iter().map(|&v| self.point(v)).collect();
-        context.orientation.opposes(&points, corners.iter().map(|&v| self.vertex(v).triangles))
+        context.orientation.standing(&points, corners.iter().map(|&v| self.vertex(v).triangles))
     }
 
     /// The faces that are inverted, concave or without area.

@@ -3,7 +3,8 @@
 //! # Theory
 //! A face is inverted where its normal points against the sheet that it lies on: the triangle of the surface nearest to its
 //! middle. Several triangles can be equally near, beside an edge: none of them may oppose the face. A wall perpendicular to the
-//! face does not count, nor do two sheets that lie on each other, at one place. No search is needed where the sheets at all corners are
+//! face does not count as one that does, nor do two sheets that lie on each other, at one place; a face that has nothing but such a
+//! wall is mended all the same. No search is needed where the sheets at all corners are
 //! known and agree, which is the usual case. A surface that was smoothed or coarsened differs from the given one, whose triangles
 //! decide in the end.
 //!
@@ -25,6 +26,17 @@ const AGREEMENT: f64 = 0.5;
 const PERPENDICULAR: f64 = 1e-6;
 /// The largest cosine of the normals of two sheets that lie on each other.
 const BACK: f32 = -0.98;
+
+/// How a face stands on the triangles nearest to its middle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Standing {
+    /// One of them agrees with its normal, and none points against it.
+    Along,
+    /// All of them are perpendicular to it: it crosses a step half-way, and roundings decide whether they point against it.
+    Perpendicular,
+    /// One of them points against it.
+    Against,
+}
 
 /// The orientation of a surface, with a tree of its triangles.
 pub(crate) struct Orientation<'a> {
@@ -83,20 +95,19 @@ impl<'a> Orientation<'a> {
             return false;
         }
         if self.nearest_decide_at(middle) {
-            return self.opposes(corners, sheets);
+            return self.standing(corners, sheets) != Standing::Along;
         }
         !self.agrees(normal, sheets.clone())
-            && self.sheets.oppose(normal, middle, self.distance_from(corners, middle, sheets))
+            && self.sheets.standing(normal, middle, self.distance_from(corners, middle, sheets)) == Standing::Against
     }
 
-    /// Whether the normal of a face points against the triangles nearest to its middle: of the given ones, once they are regarded, or
-    /// of the surface.
-    pub(crate) fn opposes(&self, corners: &[DVec3], sheets: impl Iterator<Item = [u32; 2]>) -> bool {
+    /// How a face stands on the triangles nearest to its middle: of the given ones, once they are regarded, or of the surface.
+    pub(crate) fn standing(&self, corners: &[DVec3], sheets: impl Iterator<Item = [u32; 2]>) -> Standing {
         let (normal, middle) = (normal(corners), middle(corners));
         let distance = self.distance_from(corners, middle, sheets);
         match &self.given {
-            Some((given, off)) => given.oppose(normal, middle, distance + off),
-            None => self.sheets.oppose(normal, middle, distance),
+            Some((given, off)) => given.standing(normal, middle, distance + off),
+            None => self.sheets.standing(normal, middle, distance),
         }
     }
 
@@ -150,20 +161,23 @@ impl<'a> SheetTree<'a> {
     /// Compares the normal of a face, of any length, with the triangles nearest to its middle.
     fn nearest_to(&self, normal: DVec3, middle: DVec3) -> NearestSheets {
         let distance = self.tree.nearest(middle).1;
-        NearestSheets { distance, are_opposed: self.oppose(normal, middle, distance) }
+        NearestSheets { distance, are_opposed: self.standing(normal, middle, distance) == Standing::Against }
     }
 
-    /// Whether the normal of a face points against the triangles nearest to its middle. `distance` is an upper bound of their
-    /// distance; where it is none, they are searched for.
-    fn oppose(&self, normal: DVec3, middle: DVec3, distance: f64) -> bool {
+    /// How a face with this normal stands on the triangles nearest to its middle. `distance` is an upper bound of their distance; where it
+    /// is none, they are searched for.
+    fn standing(&self, normal: DVec3, middle: DVec3, distance: f64) -> Standing {
         let direction = normal.normalize_or_zero();
+        if direction == DVec3::ZERO {
+            return Standing::Along;
+        }
         let mut found = self.tree.within(middle, distance + EQUALLY_NEAR);
         if found.is_empty() {
             found = self.tree.within(middle, self.tree.nearest(middle).1 + EQUALLY_NEAR);
         }
         let cosine = |triangle: u32| self.normal(triangle).as_dvec3().dot(direction);
-        if found.iter().all(|&triangle| cosine(triangle) >= -PERPENDICULAR) {
-            return false;
+        if found.iter().all(|&triangle| cosine(triangle) > PERPENDICULAR) {
+            return Standing::Along;
         }
         let on = |triangle: u32| {
             let corners = self.corners(triangle).map(|corner| corner.as_dvec3());
@@ -181,7 +195,13 @@ impl<'a> SheetTree<'a> {
                     && !self.share_an_edge(triangle, other)
             })
         };
-        near().any(|&(_, at, triangle)| cosine(triangle) < -PERPENDICULAR && !has_back(at, triangle))
+        if near().any(|&(_, at, triangle)| cosine(triangle) < -PERPENDICULAR && !has_back(at, triangle)) {
+            Standing::Against
+        } else if near().all(|&(_, _, triangle)| cosine(triangle).abs() <= PERPENDICULAR) {
+            Standing::Perpendicular
+        } else {
+            Standing::Along
+        }
     }
 
     /// Whether two triangles meet at an edge.
@@ -264,14 +284,14 @@ mod tests {
         let turned: Vec<[u32; 3]> = surface.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
         let mut regarded = Orientation::new(&surface);
         regarded.regard_given();
-        assert!(!regarded.opposes(&face, unknown()), "the surface is as it was given");
+        assert!(regarded.standing(&face, unknown()) == Standing::Along, "the surface is as it was given");
         let off = 1e-3;
         // Also farther than the surface may be from them.
         for apart in [0.0, 0.5 * off, 2.0 * off] {
             let points: Vec<Vec3> = surface.points.iter().map(|&p| p + Vec3::Z * apart as f32).collect();
             let given = Some((SheetTree::new(&points, &turned), off));
             let orientation = Orientation { given, ..Orientation::new(&surface) };
-            assert!(orientation.opposes(&face, unknown()), "{apart}");
+            assert!(orientation.standing(&face, unknown()) == Standing::Against, "{apart}");
         }
     }
 
@@ -280,6 +300,33 @@ mod tests {
         let points =
             [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, -1.0], [1.0, 1.0, -1.0]];
         surface(points.to_vec(), vec![[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])
+    }
+
+    #[test]
+    fn a_face_across_a_step_stands_perpendicular_on_its_wall_and_is_to_be_mended() {
+        // The wall at x = 0, from z = 0 to 0.1, looks against x; the floor before it is lower than the one behind.
+        let points = [
+            [[-1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
+            [[0.0, 0.0, 0.1], [1.0, 0.0, 0.1], [1.0, 1.0, 0.1], [0.0, 1.0, 0.1]],
+        ];
+        let triangles = vec![[0, 1, 2], [0, 2, 3], [1, 4, 7], [1, 7, 2], [4, 5, 6], [4, 6, 7]];
+        let surface = surface(points.concat(), triangles);
+        let mut orientation = Orientation::new(&surface);
+        let at = |x: f64, y: f64, z: f64| DVec3::from(surface.frame().to_unit([x, y, z]));
+        let face = |shift: f64, rise: f64| {
+            let corner = |x: f64, y: f64| at(x + shift, y, 0.05 + rise * x);
+            [corner(-0.2, 0.4), corner(0.2, 0.4), corner(0.2, 0.6), corner(-0.2, 0.6)]
+        };
+        let standing = |face: [DVec3; 4]| orientation.standing(&face, unknown());
+        assert_eq!(standing(face(0.0, 0.0)), Standing::Perpendicular);
+        assert_eq!(standing(face(0.0, 0.1)), Standing::Along);
+        assert_eq!(standing(face(0.0, -0.1)), Standing::Against);
+        assert_eq!(standing(face(0.1, 0.0)), Standing::Along, "the upper floor is nearer");
+        assert_eq!(standing([at(0.0, 0.5, 0.05); 4]), Standing::Along, "a face without area");
+        assert!(!orientation.is_inverted(&face(0.0, 0.0), unknown()));
+        orientation.let_nearest_decide([at(0.0, 0.5, 0.05)].into_iter(), 0.1);
+        assert!(orientation.is_inverted(&face(0.0, 0.0), unknown()));
+        assert!(!orientation.is_inverted(&face(0.1, 0.0), unknown()));
     }
 
     #[test]
