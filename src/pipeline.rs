@@ -254,6 +254,7 @@ fn attempt<'a>(
         lay_carried(&surface, &sizes, [count, aim], &mut sizing.carried, options, backend, &mut clock)?;
     let options = &sizing.carried.fallback.applied(options);
     let mosaic = Mosaic { wanted: count, ..mosaic };
+    let thin = if std::mem::replace(&mut sizing.carried.is_again, true) { THIN_AGAIN } else { THIN };
     sizing.carried.first_scale = f64::from(mosaic.scale / field.sizes().side_for_count(&surface, aim));
 
     clock.begin(Stage::Connect)?;
@@ -261,7 +262,7 @@ fn attempt<'a>(
     let triangulation = || triangulate_while(&surface, &field, &mosaic, &|| !progress.is_cancelled());
     let (triangulation, context) = rayon::join(triangulation, context);
     let triangulation = triangulation.ok_or(Cancelled)?;
-    let meshed = meshed(context, &mosaic, &triangulation, options, &mut clock)?;
+    let meshed = meshed(context, &mosaic, &triangulation, options, thin, &mut clock)?;
 
     let times = clock.finish()?;
     Ok((sizing, Outcome { surface, field, mosaic, triangulation, meshed, symmetry: None, times, late: None }))
@@ -279,14 +280,16 @@ pub fn connected(
     watch: &Watch,
 ) -> Result<Meshed, Cancelled> {
     let progress = &Progress::new(watch);
-    meshed(Context::new(surface).watched(progress), mosaic, triangulation, options, &mut Clock::new(progress))
+    meshed(Context::new(surface).watched(progress), mosaic, triangulation, options, THIN, &mut Clock::new(progress))
 }
 
+/// The stages from [`Stage::Connect`] on. Where a larger share of the faces than one in `thin` opposes the surface, they are not mended.
 fn meshed(
     mut context: Context,
     mosaic: &Mosaic,
     triangulation: &Triangulation,
     options: &Options,
+    thin: usize,
     clock: &mut Clock,
 ) -> Result<Meshed, Cancelled> {
     let edges = connect(triangulation, &options.connect);
@@ -315,7 +318,7 @@ fn meshed(
         untangle_and_relocate(&context, &mut mesh, &connectivity, options.smoothing, edits);
     }
     let has_discs = edits != edits_before;
-    let (mesh, mut opposed) = settled(&mut context, mesh, connectivity, options.smoothing, &mut edits);
+    let (mesh, mut opposed) = settled(&mut context, mesh, connectivity, options.smoothing, thin, &mut edits);
 
     clock.begin(Stage::Finish)?;
     let is_late = clock.progress.late().is_some();
@@ -327,7 +330,8 @@ fn meshed(
     if has_discs && (1..=MOST_FAULTS_OF_DISCS).contains(&wrong(&finished)) && !is_late {
         context.let_nearest_decide(&without_discs, &[]);
         let mut other_edits = edits_before;
-        let (mesh, opposed) = settled(&mut context, without_discs, connectivity, options.smoothing, &mut other_edits);
+        let (mesh, opposed) =
+            settled(&mut context, without_discs, connectivity, options.smoothing, thin, &mut other_edits);
         let other = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
         if wrong(&other) < wrong(&finished) {
             (finished, edits) = (other, other_edits);
@@ -337,12 +341,14 @@ fn meshed(
     Ok(Meshed { before, holes, edits, mesh, vertices, branches, faults, differences })
 }
 
-/// Snaps a mesh to features, mends the faces that oppose the surface nearest to them, and returns those that are left.
+/// Snaps a mesh to features, mends the faces that oppose the surface nearest to them, where they are at most one in `thin`, and returns those
+/// that are left.
 fn settled(
     context: &mut Context,
     mut mesh: SurfaceMesh,
     connectivity: Option<ConnectivityOptions>,
     passes: usize,
+    thin: usize,
     edits: &mut Option<EditCounts>,
 ) -> (SurfaceMesh, Vec<u32>) {
     if passes > 0 {
@@ -353,7 +359,7 @@ fn settled(
     // One that stands perpendicular is mended too, and is none of those that are told.
     let mut opposed = mesh.opposed_faces(context, Standing::Perpendicular);
     if let (Some(connectivity), Some(edits)) = (connectivity, edits)
-        && (1..=mesh.faces().count() / THIN).contains(&opposed.len())
+        && (1..=mesh.faces().count() / thin).contains(&opposed.len())
     {
         context.let_nearest_decide(&mesh, &opposed);
         untangle_and_relocate(context, &mut mesh, &connectivity, passes, edits);
@@ -395,9 +401,11 @@ fn completed(
 
 /// Discs are not the cause of more faults than these.
 const MOST_FAULTS_OF_DISCS: usize = 4;
-/// Where a larger share of the faces than one in so many is nearer to an opposite sheet, the surface is thinner than its tiles
-/// throughout, and edits would only spoil shapes.
+/// Where a larger share of the faces than one in so many is nearer to an opposite sheet, the surface is thinner than its tiles: edits would
+/// spoil shapes, and smaller tiles are better.
 const THIN: usize = 100;
+/// The same in a mesh that is made again and has smaller tiles there.
+const THIN_AGAIN: usize = 10;
 
 /// The options of the connectivity optimisation, completed by the wanted number of vertices and by the other options.
 fn connectivity(options: &Options, wanted: usize) -> Option<ConnectivityOptions> {

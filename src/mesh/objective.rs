@@ -10,8 +10,9 @@
 //! Compare two [`Score`]s of the same part of a mesh, before a change and after it, by [`Score::beats`].
 
 use super::metric::{MetricMap, to_metric};
-use super::orientation::{self, Orientation, Standing};
+use super::orientation::{self, Orientation};
 use super::quality::{quad_shape, scaled_jacobian, triangle_shape};
+use super::sheets::Standing;
 use super::surface_mesh::SurfaceMesh;
 use super::vertex::Place;
 use crate::progress::Progress;

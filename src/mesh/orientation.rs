@@ -4,47 +4,34 @@
 //! A face is inverted where its normal points against the sheet that it lies on: the triangle of the surface nearest to its
 //! middle. Several triangles can be equally near, beside an edge: none of them may oppose the face. A wall perpendicular to the
 //! face does not count as one that does, nor do two sheets that lie on each other, at one place; a face that has nothing but such a
-//! wall is mended all the same. No search is needed where the sheets at all corners are
-//! known and agree, which is the usual case. A surface that was smoothed or coarsened differs from the given one, whose triangles
-//! decide in the end.
+//! wall is mended all the same. No search is needed where the sheets at all corners are known and agree, which is the usual case. A
+//! surface that was smoothed or coarsened differs from the given one, whose triangles decide in the end.
 //!
 //! # Practice
 //! Give the triangles at the corners where they are known: this is faster, and it decides on parts thinner than a face, where
 //! the nearest sheet can be the opposite one.
 
+use super::sheets::{NearestSheets, Sheets, Standing};
 use super::vertex::walked;
-use crate::geometry::{cells_around, triangle_normal};
-use crate::surface::nearest::{EQUALLY_NEAR, Triangles, nearest_weights};
+use crate::geometry::cells_around;
+use crate::surface::nearest::Triangles;
 use crate::surface::{NONE, Surface};
-use glam::{DVec3, IVec3, Vec3};
+use glam::{DVec3, IVec3};
 use rustc_hash::FxHashSet;
 use std::iter::zip;
 
 /// The cosine of the largest angle between a face and the sheets at its corners that needs no search: 60 degrees.
 const AGREEMENT: f64 = 0.5;
-/// A cosine smaller than this counts as none: the triangle is perpendicular to the face, but for roundings.
-const PERPENDICULAR: f64 = 1e-6;
-/// The largest cosine of the normals of two sheets that lie on each other.
-const BACK: f32 = -0.98;
-
-/// How a face stands on the triangles nearest to its middle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Standing {
-    /// One of them agrees with its normal, and none points against it.
-    Along,
-    /// All of them are perpendicular to it: it crosses a step half-way, and roundings decide whether they point against it.
-    Perpendicular,
-    /// One of them points against it.
-    Against,
-}
+/// The side of the cubes for which the nearest triangles are remembered, as a share of the cubes where they decide.
+const REMEMBERED: f64 = 1.0 / 16.0;
 
 /// The orientation of a surface, with a tree of its triangles.
 pub(crate) struct Orientation<'a> {
     surface: &'a Surface,
-    sheets: SheetTree<'a>,
+    sheets: Sheets<'a>,
     /// The triangles as they were given, and how far the surface may be from them, from [`Self::regard_given`] on; `None` too where
     /// they are those of the surface.
-    given: Option<(SheetTree<'a>, f64)>,
+    given: Option<(Sheets<'a>, f64)>,
     /// Where the nearest triangles decide, whatever sheets are known at the corners of a face: cubes of a grid.
     nearest_decide: FxHashSet<IVec3>,
     /// The side of the cubes.
@@ -53,7 +40,7 @@ pub(crate) struct Orientation<'a> {
 
 impl<'a> Orientation<'a> {
     pub(crate) fn new(surface: &'a Surface) -> Self {
-        let sheets = SheetTree::new(&surface.points, &surface.triangles);
+        let sheets = Sheets::new(&surface.points, &surface.triangles);
         Self { surface, sheets, given: None, nearest_decide: FxHashSet::default(), side: 1.0 }
     }
 
@@ -61,7 +48,8 @@ impl<'a> Orientation<'a> {
     pub(crate) fn regard_given(&mut self) {
         if self.given.is_none() {
             let given = self.surface.as_given();
-            self.given = given.map(|given| (SheetTree::new(&given.points, &given.triangles), given.off));
+            self.given = given.map(|given| (Sheets::new(&given.points, &given.triangles), given.off));
+            self.remember();
         }
     }
 
@@ -70,6 +58,12 @@ impl<'a> Orientation<'a> {
     pub(crate) fn let_nearest_decide(&mut self, about: impl Iterator<Item = DVec3>, distance: f64) {
         self.side = distance.max(f64::MIN_POSITIVE);
         self.nearest_decide = about.flat_map(|point| cells_around(self.cube(point))).collect();
+        self.remember();
+    }
+
+    fn remember(&mut self) {
+        let deciding = self.given.as_mut().map_or(&mut self.sheets, |(given, _)| given);
+        deciding.remember(REMEMBERED * self.side);
     }
 
     fn cube(&self, point: DVec3) -> IVec3 {
@@ -83,7 +77,7 @@ impl<'a> Orientation<'a> {
 
     /// The tree of the surface's triangles.
     pub(crate) fn triangles(&self) -> &Triangles {
-        &self.sheets.tree
+        self.sheets.tree()
     }
 
     /// Whether a face with these corners, counter-clockwise and unit-sized, is inverted. `sheets` names the triangles of the
@@ -95,7 +89,8 @@ impl<'a> Orientation<'a> {
             return false;
         }
         if self.nearest_decide_at(middle) {
-            return self.standing(corners, sheets) != Standing::Along;
+            let deciding = self.given.as_ref().map_or(&self.sheets, |(given, _)| given);
+            return deciding.standing_remembered(normal, middle) != Standing::Along;
         }
         !self.agrees(normal, sheets.clone())
             && self.sheets.standing(normal, middle, self.distance_from(corners, middle, sheets)) == Standing::Against
@@ -137,88 +132,6 @@ impl<'a> Orientation<'a> {
     }
 }
 
-/// Oriented triangles, in a tree.
-struct SheetTree<'a> {
-    points: &'a [Vec3],
-    triangles: &'a [[u32; 3]],
-    tree: Triangles,
-}
-
-impl<'a> SheetTree<'a> {
-    fn new(points: &'a [Vec3], triangles: &'a [[u32; 3]]) -> Self {
-        let corners = |t: u32| triangles[t as usize].map(|v| points[v as usize].as_dvec3());
-        Self { points, triangles, tree: Triangles::of(triangles.len() as u32, corners) }
-    }
-
-    fn corners(&self, triangle: u32) -> [Vec3; 3] {
-        self.triangles[triangle as usize].map(|v| self.points[v as usize])
-    }
-
-    fn normal(&self, triangle: u32) -> Vec3 {
-        triangle_normal(self.corners(triangle))
-    }
-
-    /// Compares the normal of a face, of any length, with the triangles nearest to its middle.
-    fn nearest_to(&self, normal: DVec3, middle: DVec3) -> NearestSheets {
-        let distance = self.tree.nearest(middle).1;
-        NearestSheets { distance, are_opposed: self.standing(normal, middle, distance) == Standing::Against }
-    }
-
-    /// How a face with this normal stands on the triangles nearest to its middle. `distance` is an upper bound of their distance; where it
-    /// is none, they are searched for.
-    fn standing(&self, normal: DVec3, middle: DVec3, distance: f64) -> Standing {
-        let direction = normal.normalize_or_zero();
-        if direction == DVec3::ZERO {
-            return Standing::Along;
-        }
-        let mut found = self.tree.within(middle, distance + EQUALLY_NEAR);
-        if found.is_empty() {
-            found = self.tree.within(middle, self.tree.nearest(middle).1 + EQUALLY_NEAR);
-        }
-        let cosine = |triangle: u32| self.normal(triangle).as_dvec3().dot(direction);
-        if found.iter().all(|&triangle| cosine(triangle) > PERPENDICULAR) {
-            return Standing::Along;
-        }
-        let on = |triangle: u32| {
-            let corners = self.corners(triangle).map(|corner| corner.as_dvec3());
-            let point: DVec3 = zip(corners, nearest_weights(middle, corners)).map(|(p, w)| p * w).sum();
-            (point.distance(middle), point, triangle)
-        };
-        let all: Vec<(f64, DVec3, u32)> = found.into_iter().map(on).collect();
-        let least = all.iter().map(|(off, ..)| *off).fold(f64::INFINITY, f64::min);
-        let near = || all.iter().filter(|(off, ..)| *off <= least + EQUALLY_NEAR);
-        let has_back = |at: DVec3, triangle: u32| {
-            let normal = self.normal(triangle);
-            near().any(|&(_, back, other)| {
-                self.normal(other).dot(normal) < BACK
-                    && at.distance(back) <= EQUALLY_NEAR
-                    && !self.share_an_edge(triangle, other)
-            })
-        };
-        if near().any(|&(_, at, triangle)| cosine(triangle) < -PERPENDICULAR && !has_back(at, triangle)) {
-            Standing::Against
-        } else if near().all(|&(_, _, triangle)| cosine(triangle).abs() <= PERPENDICULAR) {
-            Standing::Perpendicular
-        } else {
-            Standing::Along
-        }
-    }
-
-    /// Whether two triangles meet at an edge.
-    fn share_an_edge(&self, a: u32, b: u32) -> bool {
-        let corners = self.triangles[b as usize];
-        self.triangles[a as usize].iter().filter(|v| corners.contains(v)).count() > 1
-    }
-}
-
-/// The triangles nearest to the middle of a face.
-pub(crate) struct NearestSheets {
-    /// Their distance, unit-sized.
-    pub distance: f64,
-    /// Whether the face's normal points against them.
-    pub are_opposed: bool,
-}
-
 /// Twice the vector area of a polygon.
 pub(crate) fn normal(corners: &[DVec3]) -> DVec3 {
     let first = corners.first().copied().unwrap_or_default();
@@ -234,6 +147,7 @@ pub(crate) fn middle(corners: &[DVec3]) -> DVec3 {
 mod tests {
     use super::*;
     use crate::surface::{FeatureOptions, Soup};
+    use glam::Vec3;
 
     fn surface(points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Surface {
         Surface::new(&Soup { points, triangles, ..Soup::default() }, &FeatureOptions::default()).unwrap()
@@ -289,7 +203,7 @@ mod tests {
         // Also farther than the surface may be from them.
         for apart in [0.0, 0.5 * off, 2.0 * off] {
             let points: Vec<Vec3> = surface.points.iter().map(|&p| p + Vec3::Z * apart as f32).collect();
-            let given = Some((SheetTree::new(&points, &turned), off));
+            let given = Some((Sheets::new(&points, &turned), off));
             let orientation = Orientation { given, ..Orientation::new(&surface) };
             assert!(orientation.standing(&face, unknown()) == Standing::Against, "{apart}");
         }

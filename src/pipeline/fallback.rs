@@ -32,10 +32,12 @@ pub(super) enum Fallback {
     RowEnds,
 }
 
-/// What an earlier mesh of nearly the same surface tells of its rows.
+/// What an earlier mesh of nearly the same surface tells.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carried {
-    /// How they differ from those that the layout asks for.
+    /// Whether there is one.
+    pub is_again: bool,
+    /// How its rows differ from those that the layout asks for.
     pub fallback: Fallback,
     /// See [`MosaicBuilder::first_scale`](crate::mosaic::MosaicBuilder::first_scale).
     pub first_scale: f64,
@@ -43,7 +45,7 @@ pub(super) struct Carried {
 
 impl Carried {
     /// Nothing.
-    pub(super) const UNKNOWN: Self = Self { fallback: Fallback::Unknown, first_scale: 1.0 };
+    pub(super) const UNKNOWN: Self = Self { is_again: false, fallback: Fallback::Unknown, first_scale: 1.0 };
 }
 
 impl Fallback {

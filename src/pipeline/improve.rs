@@ -22,7 +22,7 @@ const MOST_CORRECTIONS: [usize; 2] = [1, 2];
 /// and more than so many, or it is no better for so many times.
 const MANY: usize = 10;
 const MOST_FUTILE: usize = 2;
-const LARGE: usize = 3_000;
+const LARGE: usize = 1_500;
 /// The most times of the asked count to which this raises it, ...
 const MOST_RAISED: usize = 12;
 /// ... or to this count where that is more: thin walls need many vertices, however few are asked for.
