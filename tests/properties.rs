@@ -154,13 +154,13 @@ fn apart(one: &Mesh, other: &Mesh, back: impl Fn(DVec3) -> DVec3) -> Option<f64>
 /// Rounding of f64 coordinates after a scale, a shift and the way back.
 const ROUNDING: f64 = 1e-14;
 
-/// Whether two meshes have nearly the same count, share of quads and mean shape of quads. 80 surfaces, turned and permuted, gave meshes
-/// that all are.
+/// Whether two meshes have nearly the same count, share of quads and mean shape of quads. Of 80 surfaces, turned and permuted, meshes of
+/// 600 to 1,600 points differed by up to half of these bounds; meshes of fewer points differ more, by chance.
 fn is_alike(one: &Mesh, other: &Mesh) -> bool {
     let [a, b] = [one, other].map(Quality::of);
     let shape = |quality: &Quality| quality.qg.map_or(0.0, |shape| shape.mean);
     let count = a.vertices as f64 / b.vertices as f64 - 1.0;
-    count.abs() < 0.06 && (a.qr - b.qr).abs() < 0.08 && (shape(&a) - shape(&b)).abs() < 0.06
+    count.abs() < 0.04 && (a.qr - b.qr).abs() < 0.05 && (shape(&a) - shape(&b)).abs() < 0.02
 }
 
 proptest! {
@@ -208,16 +208,17 @@ proptest! {
 
     #[test]
     fn turned_and_permuted_surfaces_give_meshes_alike(given in surfaces(), turn in rotations(), by in 0..1_000_usize) {
-        let base = meshed(&given.soup, given.points).mesh;
-        let turned = meshed(&mapped(&given.soup, |p| turn * p), given.points).mesh;
+        let points = 4 * given.points;
+        let base = meshed(&given.soup, points).mesh;
+        let turned = meshed(&mapped(&given.soup, |p| turn * p), points).mesh;
         prop_assert!(is_alike(&base, &turned), "turned: {:?} {:?}", Quality::of(&base), Quality::of(&turned));
         let mut other = given.soup.clone();
         let by = by % other.triangles.len();
         other.triangles.rotate_left(by);
         other.triangles.iter_mut().for_each(|triangle| triangle.rotate_left(by % 3));
-        let permuted = meshed(&other, given.points).mesh;
+        let permuted = meshed(&other, points).mesh;
         prop_assert!(is_alike(&base, &permuted), "permuted: {:?} {:?}", Quality::of(&base), Quality::of(&permuted));
-        prop_assert!(!is_alike(&base, &meshed(&given.soup, 2 * given.points).mesh), "twice the count");
+        prop_assert!(!is_alike(&base, &meshed(&given.soup, given.points).mesh), "a quarter of the count");
     }
 
     #[test]
