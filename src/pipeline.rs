@@ -254,7 +254,7 @@ fn attempt<'a>(
         lay_carried(&surface, &sizes, [count, aim], &mut sizing.carried, options, backend, &mut clock)?;
     let options = &sizing.carried.fallback.applied(options);
     let mosaic = Mosaic { wanted: count, ..mosaic };
-    let thin = if std::mem::replace(&mut sizing.carried.is_again, true) { THIN_AGAIN } else { THIN };
+    let thin = if sizing.carried.is_refined { THIN_REFINED } else { THIN };
     sizing.carried.first_scale = f64::from(mosaic.scale / field.sizes().side_for_count(&surface, aim));
 
     clock.begin(Stage::Connect)?;
@@ -324,7 +324,7 @@ fn meshed(
     let is_late = clock.progress.late().is_some();
     if is_late {
         // The search for them was ended too.
-        opposed = mesh.opposed_faces(&context, Standing::Against);
+        opposed = mesh.opposed_faces(&context);
     }
     let mut finished = completed(&context, mesh, &opposed, mosaic, triangulation, options.smoothing);
     if has_discs && (1..=MOST_FAULTS_OF_DISCS).contains(&wrong(&finished)) && !is_late {
@@ -356,12 +356,14 @@ fn settled(
     }
     mesh = mesh.compacted();
     context.regard_given();
-    // One that stands perpendicular is mended too, and is none of those that are told.
-    let mut opposed = mesh.opposed_faces(context, Standing::Perpendicular);
+    // Faces that stand perpendicular are mended too, and are none of those that are told.
+    let (poor, standings): (Vec<u32>, Vec<Standing>) = mesh.faces_not_along(context).into_iter().unzip();
+    let opposed = standings.iter().filter(|standing| **standing == Standing::Against).count();
     if let (Some(connectivity), Some(edits)) = (connectivity, edits)
-        && (1..=mesh.faces().count() / thin).contains(&opposed.len())
+        && !poor.is_empty()
+        && opposed <= mesh.faces().count() / thin
     {
-        context.let_nearest_decide(&mesh, &opposed);
+        context.let_nearest_decide(&mesh, &poor);
         untangle_and_relocate(context, &mut mesh, &connectivity, passes, edits);
         mesh = mesh.compacted();
         let left = mesh.faults(context);
@@ -370,9 +372,7 @@ fn settled(
             mesh = mesh.compacted();
         }
     }
-    if !opposed.is_empty() {
-        opposed = mesh.opposed_faces(context, Standing::Against);
-    }
+    let opposed = if poor.is_empty() { Vec::new() } else { mesh.opposed_faces(context) };
     (mesh, opposed)
 }
 
@@ -395,7 +395,7 @@ fn completed(
     if passes == 0 || !finished.differences.iter().any(is_uncovered) || !cover(context, &mut mesh) {
         return finished;
     }
-    let covered = finish(context, &mesh, &mesh.opposed_faces(context, Standing::Against), mosaic, triangulation);
+    let covered = finish(context, &mesh, &mesh.opposed_faces(context), mosaic, triangulation);
     if wrong(&covered) < wrong(&finished) { covered } else { finished }
 }
 
@@ -404,8 +404,8 @@ const MOST_FAULTS_OF_DISCS: usize = 4;
 /// Where a larger share of the faces than one in so many is nearer to an opposite sheet, the surface is thinner than its tiles: edits would
 /// spoil shapes, and smaller tiles are better.
 const THIN: usize = 100;
-/// The same in a mesh that is made again and has smaller tiles there.
-const THIN_AGAIN: usize = 10;
+/// The same in a mesh that is made again with smaller tiles at its faults.
+const THIN_REFINED: usize = 10;
 
 /// The options of the connectivity optimisation, completed by the wanted number of vertices and by the other options.
 fn connectivity(options: &Options, wanted: usize) -> Option<ConnectivityOptions> {

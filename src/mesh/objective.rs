@@ -12,7 +12,7 @@
 use super::metric::{MetricMap, to_metric};
 use super::orientation::{self, Orientation};
 use super::quality::{quad_shape, scaled_jacobian, triangle_shape};
-use super::sheets::Standing;
+use super::sheet_tree::Standing;
 use super::surface_mesh::SurfaceMesh;
 use super::vertex::Place;
 use crate::progress::Progress;
@@ -248,13 +248,20 @@ impl SurfaceMesh {
         })
     }
 
-    /// The faces that stand against the triangles nearest to their middles, or no better than `worst`: of all sheets, those that were
-    /// given, once they are [regarded](Context::regard_given).
-    pub(crate) fn opposed_faces(&self, context: &Context, worst: Standing) -> Vec<u32> {
-        let is_opposed = |&face: &u32| {
-            !self.face(face).is_empty() && !context.is_cancelled() && self.standing(context, face) >= worst
-        };
-        (0..self.face_bound() as u32).into_par_iter().with_min_len(1024).filter(is_opposed).collect()
+    /// The faces that the triangles nearest to their middles point against: of all sheets, those that were given, once they are
+    /// [regarded](Context::regard_given).
+    pub(crate) fn opposed_faces(&self, context: &Context) -> Vec<u32> {
+        let opposed = self.faces_not_along(context).into_iter().filter(|(_, standing)| *standing == Standing::Against);
+        opposed.map(|(face, _)| face).collect()
+    }
+
+    /// The same faces, and those that stand perpendicular on these triangles.
+    pub(crate) fn faces_not_along(&self, context: &Context) -> Vec<(u32, Standing)> {
+        let is_asked = |&face: &u32| !self.face(face).is_empty() && !context.is_cancelled();
+        let all = (0..self.face_bound() as u32).into_par_iter().with_min_len(1024).filter(is_asked);
+        all.map(|face| (face, self.standing(context, face)))
+            .filter(|(_, standing)| *standing != Standing::Along)
+            .collect()
     }
 
     fn standing(&self, context: &Context, face: u32) -> Standing {

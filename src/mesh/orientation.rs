@@ -11,7 +11,7 @@
 //! Give the triangles at the corners where they are known: this is faster, and it decides on parts thinner than a face, where
 //! the nearest sheet can be the opposite one.
 
-use super::sheets::{NearestSheets, Sheets, Standing};
+use super::sheet_tree::{NearestSheets, SheetTree, Standing};
 use super::vertex::walked;
 use crate::geometry::cells_around;
 use crate::surface::nearest::Triangles;
@@ -22,16 +22,14 @@ use std::iter::zip;
 
 /// The cosine of the largest angle between a face and the sheets at its corners that needs no search: 60 degrees.
 const AGREEMENT: f64 = 0.5;
-/// The side of the cubes for which the nearest triangles are remembered, as a share of the cubes where they decide.
-const REMEMBERED: f64 = 1.0 / 16.0;
 
 /// The orientation of a surface, with a tree of its triangles.
 pub(crate) struct Orientation<'a> {
     surface: &'a Surface,
-    sheets: Sheets<'a>,
+    sheets: SheetTree<'a>,
     /// The triangles as they were given, and how far the surface may be from them, from [`Self::regard_given`] on; `None` too where
     /// they are those of the surface.
-    given: Option<(Sheets<'a>, f64)>,
+    given: Option<(SheetTree<'a>, f64)>,
     /// Where the nearest triangles decide, whatever sheets are known at the corners of a face: cubes of a grid.
     nearest_decide: FxHashSet<IVec3>,
     /// The side of the cubes.
@@ -40,7 +38,7 @@ pub(crate) struct Orientation<'a> {
 
 impl<'a> Orientation<'a> {
     pub(crate) fn new(surface: &'a Surface) -> Self {
-        let sheets = Sheets::new(&surface.points, &surface.triangles);
+        let sheets = SheetTree::new(&surface.points, &surface.triangles);
         Self { surface, sheets, given: None, nearest_decide: FxHashSet::default(), side: 1.0 }
     }
 
@@ -48,8 +46,7 @@ impl<'a> Orientation<'a> {
     pub(crate) fn regard_given(&mut self) {
         if self.given.is_none() {
             let given = self.surface.as_given();
-            self.given = given.map(|given| (Sheets::new(&given.points, &given.triangles), given.off));
-            self.remember();
+            self.given = given.map(|given| (SheetTree::new(&given.points, &given.triangles), given.off));
         }
     }
 
@@ -58,12 +55,6 @@ impl<'a> Orientation<'a> {
     pub(crate) fn let_nearest_decide(&mut self, about: impl Iterator<Item = DVec3>, distance: f64) {
         self.side = distance.max(f64::MIN_POSITIVE);
         self.nearest_decide = about.flat_map(|point| cells_around(self.cube(point))).collect();
-        self.remember();
-    }
-
-    fn remember(&mut self) {
-        let deciding = self.given.as_mut().map_or(&mut self.sheets, |(given, _)| given);
-        deciding.remember(REMEMBERED * self.side);
     }
 
     fn cube(&self, point: DVec3) -> IVec3 {
@@ -77,7 +68,7 @@ impl<'a> Orientation<'a> {
 
     /// The tree of the surface's triangles.
     pub(crate) fn triangles(&self) -> &Triangles {
-        self.sheets.tree()
+        self.sheets.triangles()
     }
 
     /// Whether a face with these corners, counter-clockwise and unit-sized, is inverted. `sheets` names the triangles of the
@@ -89,8 +80,7 @@ impl<'a> Orientation<'a> {
             return false;
         }
         if self.nearest_decide_at(middle) {
-            let deciding = self.given.as_ref().map_or(&self.sheets, |(given, _)| given);
-            return deciding.standing_remembered(normal, middle) != Standing::Along;
+            return self.standing(corners, sheets) != Standing::Along;
         }
         !self.agrees(normal, sheets.clone())
             && self.sheets.standing(normal, middle, self.distance_from(corners, middle, sheets)) == Standing::Against
@@ -147,7 +137,7 @@ pub(crate) fn middle(corners: &[DVec3]) -> DVec3 {
 mod tests {
     use super::*;
     use crate::surface::{FeatureOptions, Soup};
-    use glam::Vec3;
+    use glam::{DQuat, EulerRot, Vec3};
 
     fn surface(points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Surface {
         Surface::new(&Soup { points, triangles, ..Soup::default() }, &FeatureOptions::default()).unwrap()
@@ -203,7 +193,7 @@ mod tests {
         // Also farther than the surface may be from them.
         for apart in [0.0, 0.5 * off, 2.0 * off] {
             let points: Vec<Vec3> = surface.points.iter().map(|&p| p + Vec3::Z * apart as f32).collect();
-            let given = Some((Sheets::new(&points, &turned), off));
+            let given = Some((SheetTree::new(&points, &turned), off));
             let orientation = Orientation { given, ..Orientation::new(&surface) };
             assert!(orientation.standing(&face, unknown()) == Standing::Against, "{apart}");
         }
@@ -218,29 +208,30 @@ mod tests {
 
     #[test]
     fn a_face_across_a_step_stands_perpendicular_on_its_wall_and_is_to_be_mended() {
-        // The wall at x = 0, from z = 0 to 0.1, looks against x; the floor before it is lower than the one behind.
-        let points = [
-            [[-1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
-            [[0.0, 0.0, 0.1], [1.0, 0.0, 0.1], [1.0, 1.0, 0.1], [0.0, 1.0, 0.1]],
-        ];
-        let triangles = vec![[0, 1, 2], [0, 2, 3], [1, 4, 7], [1, 7, 2], [4, 5, 6], [4, 6, 7]];
-        let surface = surface(points.concat(), triangles);
-        let mut orientation = Orientation::new(&surface);
-        let at = |x: f64, y: f64, z: f64| DVec3::from(surface.frame().to_unit([x, y, z]));
-        let face = |shift: f64, rise: f64| {
-            let corner = |x: f64, y: f64| at(x + shift, y, 0.05 + rise * x);
-            [corner(-0.2, 0.4), corner(0.2, 0.4), corner(0.2, 0.6), corner(-0.2, 0.6)]
-        };
-        let standing = |face: [DVec3; 4]| orientation.standing(&face, unknown());
-        assert_eq!(standing(face(0.0, 0.0)), Standing::Perpendicular);
-        assert_eq!(standing(face(0.0, 0.1)), Standing::Along);
-        assert_eq!(standing(face(0.0, -0.1)), Standing::Against);
-        assert_eq!(standing(face(0.1, 0.0)), Standing::Along, "the upper floor is nearer");
-        assert_eq!(standing([at(0.0, 0.5, 0.05); 4]), Standing::Along, "a face without area");
-        assert!(!orientation.is_inverted(&face(0.0, 0.0), unknown()));
-        orientation.let_nearest_decide([at(0.0, 0.5, 0.05)].into_iter(), 0.1);
-        assert!(orientation.is_inverted(&face(0.0, 0.0), unknown()));
-        assert!(!orientation.is_inverted(&face(0.1, 0.0), unknown()));
+        // The wall at x = 0 looks against x; the floor before it is lower than the one behind. Turned, its normal has roundings.
+        for (height, turn) in [(0.1, DQuat::IDENTITY), (0.01, DQuat::from_euler(EulerRot::XYZ, 0.3, 0.7, 1.1))] {
+            let low = [[-1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+            let high = [[0.0, 0.0, height], [1.0, 0.0, height], [1.0, 1.0, height], [0.0, 1.0, height]];
+            let points = [low, high].concat().into_iter().map(|p| (turn * DVec3::from(p)).to_array()).collect();
+            let triangles = vec![[0, 1, 2], [0, 2, 3], [1, 4, 7], [1, 7, 2], [4, 5, 6], [4, 6, 7]];
+            let surface = surface(points, triangles);
+            let mut orientation = Orientation::new(&surface);
+            let at = |p: DVec3| DVec3::from(surface.frame().to_unit((turn * p).to_array()));
+            let face = |shift: f64, rise: f64| {
+                let corner = |x: f64, y: f64| at(DVec3::new(x + shift, y, height / 2.0 + rise * x));
+                [corner(-0.2, 0.4), corner(0.2, 0.4), corner(0.2, 0.6), corner(-0.2, 0.6)]
+            };
+            let standing = |face: [DVec3; 4]| orientation.standing(&face, unknown());
+            assert_eq!(standing(face(0.0, 0.0)), Standing::Perpendicular, "{height}");
+            assert_eq!(standing(face(0.0, 0.1)), Standing::Along, "{height}");
+            assert_eq!(standing(face(0.0, -0.1)), Standing::Against, "{height}");
+            assert_eq!(standing(face(0.1, 0.0)), Standing::Along, "{height}: the upper floor is nearer");
+            assert_eq!(standing([at(DVec3::Z * height / 2.0); 4]), Standing::Along, "a face without area");
+            assert!(!orientation.is_inverted(&face(0.0, 0.0), unknown()));
+            orientation.let_nearest_decide([at(DVec3::Y / 2.0)].into_iter(), 0.1);
+            assert!(orientation.is_inverted(&face(0.0, 0.0), unknown()));
+            assert!(!orientation.is_inverted(&face(0.1, 0.0), unknown()));
+        }
     }
 
     #[test]

@@ -35,8 +35,8 @@ pub(super) enum Fallback {
 /// What an earlier mesh of nearly the same surface tells.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carried {
-    /// Whether there is one.
-    pub is_again: bool,
+    /// Whether tiles are smaller than its own at its faults.
+    pub is_refined: bool,
     /// How its rows differ from those that the layout asks for.
     pub fallback: Fallback,
     /// See [`MosaicBuilder::first_scale`](crate::mosaic::MosaicBuilder::first_scale).
@@ -45,7 +45,7 @@ pub(super) struct Carried {
 
 impl Carried {
     /// Nothing.
-    pub(super) const UNKNOWN: Self = Self { is_again: false, fallback: Fallback::Unknown, first_scale: 1.0 };
+    pub(super) const UNKNOWN: Self = Self { is_refined: false, fallback: Fallback::Unknown, first_scale: 1.0 };
 }
 
 impl Fallback {

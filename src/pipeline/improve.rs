@@ -76,7 +76,7 @@ pub(super) fn improve(
             (latest, futile) = (Some(next.surface), futile + 1);
         }
         best.times = times;
-        if is_large && (futile == MOST_FUTILE || after > MANY && is_frequent) {
+        if is_large && (futile >= MOST_FUTILE || after > MANY && is_frequent) {
             break;
         }
     }

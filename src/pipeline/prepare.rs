@@ -91,7 +91,8 @@ pub(super) fn prepared<'a>(
 impl<'a> Sizing<'a> {
     /// Smaller tiles at these places, in model units.
     pub fn refined(self, surface: &Surface, places: &[[f64; 3]]) -> Result<Self, SizesError> {
-        Ok(Self { wanted: self.wanted.refined(surface, self.count, places)?, ..self })
+        let carried = Carried { is_refined: true, ..self.carried };
+        Ok(Self { wanted: self.wanted.refined(surface, self.count, places)?, carried, ..self })
     }
 
     /// The surface, divided where tiles are small, and their sizes.

@@ -46,6 +46,11 @@ impl Bounds {
         self.low.cmpgt(outer.low).all() && self.high.cmplt(outer.high).all()
     }
 
+    /// The least product of a vector with one in the box.
+    pub fn least_dot(&self, vector: Vec3) -> f32 {
+        (self.low * vector).min(self.high * vector).element_sum()
+    }
+
     /// The squared distance of a point.
     fn squared_distance(&self, point: DVec3) -> f64 {
         (self.low.as_dvec3() - point).max(point - self.high.as_dvec3()).max(DVec3::ZERO).length_squared()
@@ -54,6 +59,19 @@ impl Bounds {
     fn meets(&self, other: &Self) -> bool {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
     }
+}
+
+/// The boxes of the nodes over these boxes.
+fn nodes_over(boxes: &[Bounds]) -> Vec<Bounds> {
+    let leaves = boxes.len().div_ceil(LEAF).next_power_of_two();
+    let mut nodes = vec![Bounds::EMPTY; 2 * leaves];
+    for (node, chunk) in nodes[leaves..].iter_mut().zip(boxes.chunks(LEAF)) {
+        *node = chunk.iter().fold(Bounds::EMPTY, |all, one| all.joined(*one));
+    }
+    for k in (1..leaves).rev() {
+        nodes[k] = nodes[2 * k].joined(nodes[2 * k + 1]);
+    }
+    nodes
 }
 
 /// The tree.
@@ -84,15 +102,13 @@ impl Boxes {
         keys.par_sort_unstable();
         let order: Vec<u32> = keys.iter().map(|key| key.1).collect();
         let boxes: Vec<Bounds> = order.par_iter().map(|&t| bounds(t)).collect();
-        let leaves = order.len().div_ceil(LEAF).next_power_of_two();
-        let mut nodes = vec![Bounds::EMPTY; 2 * leaves];
-        for (node, chunk) in nodes[leaves..].iter_mut().zip(boxes.chunks(LEAF)) {
-            *node = chunk.iter().fold(Bounds::EMPTY, |all, one| all.joined(*one));
-        }
-        for k in (1..leaves).rev() {
-            nodes[k] = nodes[2 * k].joined(nodes[2 * k + 1]);
-        }
+        let nodes = nodes_over(&boxes);
         Self { order, boxes, nodes }
+    }
+
+    /// Other boxes of all nodes: each holds those of its triangles.
+    pub fn nodes_of(&self, bounds: impl Fn(u32) -> Bounds + Sync) -> Vec<Bounds> {
+        nodes_over(&self.order.par_iter().map(|&t| bounds(t)).collect::<Vec<Bounds>>())
     }
 
     /// The triangles, in the order of their places.
@@ -102,14 +118,25 @@ impl Boxes {
 
     /// Calls `visit` with the places of triangles whose boxes are no farther from a point than a squared distance, the nearer ones of
     /// two nodes first; it returns the squared distance from then on.
-    pub fn approach(&self, point: DVec3, mut squared: f64, mut visit: impl FnMut(Range<usize>) -> f64) {
+    pub fn approach(&self, point: DVec3, squared: f64, visit: impl FnMut(Range<usize>) -> f64) {
+        self.approach_some(point, squared, |_| true, visit);
+    }
+
+    /// As [`approach`](Self::approach), without the nodes that are not `wanted`.
+    pub fn approach_some(
+        &self,
+        point: DVec3,
+        mut squared: f64,
+        wanted: impl Fn(usize) -> bool,
+        mut visit: impl FnMut(Range<usize>) -> f64,
+    ) {
         let leaves = self.nodes.len() / 2;
         let mut stack = [(1, self.nodes[1].squared_distance(point)); MOST_WAITING];
         let mut waiting = 1;
         while waiting > 0 {
             waiting -= 1;
             let (node, distance) = stack[waiting];
-            if distance > squared {
+            if distance > squared || !wanted(node) {
                 continue;
             }
             if node >= leaves {

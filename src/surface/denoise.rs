@@ -96,12 +96,13 @@ fn within_walls(surface: &Surface, given: &[DVec3], smooth: &[DVec3]) -> Vec<DVe
     }
     let directions: Vec<DVec3> = surface.triangles.par_iter().map(|t| vector_area(t).normalize_or_zero()).collect();
     let tree = Triangles::new(surface);
+    let bounds = tree.bounds_of_normals(&directions);
     let point = |v: usize| {
         let (way, normal) = (smooth[v] - given[v], normals[v].normalize_or_zero());
         let length = way.length();
-        let is_opposed = |t: u32| directions[t as usize].dot(normal) < OPPOSED;
-        match tree.nearest_of(given[v], length / SHARE_OF_THICKNESS, is_opposed) {
-            Some((_, thickness)) => given[v] + way * (SHARE_OF_THICKNESS * thickness / length),
+        let farthest = length / SHARE_OF_THICKNESS;
+        match tree.nearest_opposed(given[v], farthest, (normal, OPPOSED), (&directions, &bounds)) {
+            Some(thickness) => given[v] + way * (SHARE_OF_THICKNESS * thickness / length),
             None => smooth[v],
         }
     };

@@ -80,6 +80,12 @@ where
     }
 }
 
+/// Products of unit vectors that are rounded to f32 differ by less than this.
+const ROUNDING: f32 = 1e-5;
+
+/// Boxes that hold the normals of the triangles of each node of a tree.
+pub(crate) struct NormalBounds(Vec<Bounds>);
+
 /// The triangles of a surface, in a tree.
 pub(crate) struct Triangles {
     boxes: Boxes,
@@ -103,22 +109,45 @@ impl Triangles {
 
     /// The triangle nearest to a point, and its distance.
     pub fn nearest(&self, point: DVec3) -> (u32, f64) {
-        self.nearest_of(point, f64::INFINITY, |_| true).unwrap_or((u32::MAX, f64::INFINITY))
-    }
-
-    /// The nearest of some triangles and its distance; `None` where none is nearer than `farthest`.
-    pub fn nearest_of(&self, point: DVec3, farthest: f64, is_one: impl Fn(u32) -> bool) -> Option<(u32, f64)> {
-        let (mut best, mut squared) = (None, farthest * farthest);
+        let (mut best, mut squared) = (u32::MAX, f64::INFINITY);
         self.boxes.approach(point, squared, |places| {
             for place in places {
                 let distance = squared_distance(point, self.corners[place]);
-                if distance < squared && is_one(self.boxes.order()[place]) {
-                    (best, squared) = (Some(self.boxes.order()[place]), distance);
+                if distance < squared {
+                    (best, squared) = (self.boxes.order()[place], distance);
                 }
             }
             squared
         });
-        Some((best?, squared.sqrt()))
+        (best, squared.sqrt())
+    }
+
+    /// Bounds of these normals of the triangles, for [`nearest_opposed`](Self::nearest_opposed).
+    pub fn bounds_of_normals(&self, normals: &[DVec3]) -> NormalBounds {
+        NormalBounds(self.boxes.nodes_of(|t| Bounds::of(&[normals[t as usize].as_vec3()]).grown(f32::EPSILON)))
+    }
+
+    /// The distance of the nearest triangle whose normal has a cosine below `most` with a direction; `None` where none is nearer than
+    /// `farthest`. Parts whose normals all have a larger one are left out, so that the search ends soon where no wall is near.
+    pub fn nearest_opposed(
+        &self,
+        point: DVec3,
+        farthest: f64,
+        (direction, most): (DVec3, f64),
+        (normals, bounds): (&[DVec3], &NormalBounds),
+    ) -> Option<f64> {
+        let (mut found, mut squared) = (false, farthest * farthest);
+        let has_some = |node: usize| bounds.0[node].least_dot(direction.as_vec3()) < most as f32 + ROUNDING;
+        self.boxes.approach_some(point, squared, has_some, |places| {
+            for place in places {
+                if normals[self.boxes.order()[place] as usize].dot(direction) < most {
+                    let distance = squared_distance(point, self.corners[place]);
+                    (found, squared) = (found || distance < squared, squared.min(distance));
+                }
+            }
+            squared
+        });
+        found.then(|| squared.sqrt())
     }
 
     /// The triangles that are no farther than this from a point.
@@ -203,11 +232,14 @@ mod tests {
 
     #[test]
     fn the_tree_finds_what_a_search_of_all_finds() {
+        let mut opposed = 0;
         for (name, triangles) in [("m6", 2_000), ("block", 3_000), ("plate", 10)] {
             let soup = name.parse::<Example>().expect("an example's name").generate(triangles);
             let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
             let triangles = Triangles::new(&surface);
             let corners = |t: usize| surface.corners(t).map(|p| p.as_dvec3());
+            let normals: Vec<DVec3> = (0..surface.triangle_count()).map(|t| surface.normal(t).as_dvec3()).collect();
+            let bounds = triangles.bounds_of_normals(&normals);
             let mut state = 1u32;
             let mut random = || {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -221,8 +253,15 @@ mod tests {
                 let least = all.min_by(f64::total_cmp).expect("a triangle").sqrt();
                 let (nearest, distance) = triangles.nearest(point);
                 assert_eq!(distance, least, "{name}, {point}");
+                let direction = DVec3::new(random(), random(), random()).normalize();
+                let some = (0..surface.triangle_count()).filter(|&t| normals[t].dot(direction) < -0.5);
+                let least_opposed = some.map(|t| squared_distance(point, corners(t))).fold(f64::INFINITY, f64::min);
+                let found = triangles.nearest_opposed(point, 1.0, (direction, -0.5), (&normals, &bounds));
+                assert_eq!(found, Some(least_opposed.sqrt()).filter(|least| *least < 1.0), "{name}, {point}");
+                opposed += usize::from(found.is_some_and(|found| found > distance));
                 assert_eq!(squared_distance(point, corners(nearest as usize)).sqrt(), least, "{name}, {point}");
             }
         }
+        assert!(opposed > 100, "{opposed}: the nearest of all are opposed");
     }
 }
