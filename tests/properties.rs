@@ -131,6 +131,36 @@ fn with_first_face_turned(mesh: &Mesh) -> Mesh {
     other
 }
 
+/// The mesh without one vertex in so many, and without their faces.
+fn without_every(nth: u32, mesh: &Mesh) -> Mesh {
+    let kept: Vec<u32> = (0..mesh.points.len() as u32).filter(|v| v % nth != 0).collect();
+    let number: HashMap<u32, u32> = kept.iter().copied().zip(0..).collect();
+    let mut other = Mesh::new(kept.iter().map(|&v| mesh.points[v as usize]).collect());
+    let faces =
+        mesh.faces().filter_map(|face| face.iter().map(|v| number.get(v).copied()).collect::<Option<Vec<u32>>>());
+    faces.for_each(|face| other.push_face(&face));
+    other
+}
+
+/// The mesh with one quad in so many cut into two triangles.
+fn with_every_quad_cut(nth: usize, mesh: &Mesh) -> Mesh {
+    let mut other = Mesh::new(mesh.points.clone());
+    for (index, face) in mesh.faces().enumerate() {
+        match *face {
+            [a, b, c, d] if index % nth == 0 => [[a, b, c], [a, c, d]].iter().for_each(|half| other.push_face(half)),
+            _ => other.push_face(face),
+        }
+    }
+    other
+}
+
+/// The mesh stretched along x.
+fn stretched(by: f64, mesh: &Mesh) -> Mesh {
+    let mut other = Mesh::new(mesh.points.iter().map(|&[x, y, z]| [by * x, y, z]).collect());
+    mesh.faces().for_each(|face| other.push_face(face));
+    other
+}
+
 /// Why a mesh has not the topology of its surface with one orientation; `None` where it has.
 fn wrong(mesh: &Mesh, given: &Given) -> Option<String> {
     let (euler, loops, repeated) = counted(mesh);
@@ -218,7 +248,10 @@ proptest! {
         other.triangles.iter_mut().for_each(|triangle| triangle.rotate_left(by % 3));
         let permuted = meshed(&other, points).mesh;
         prop_assert!(is_alike(&base, &permuted), "permuted: {:?} {:?}", Quality::of(&base), Quality::of(&permuted));
-        prop_assert!(!is_alike(&base, &meshed(&given.soup, given.points).mesh), "a quarter of the count");
+        // Each of the three measures tells meshes apart.
+        prop_assert!(!is_alike(&base, &without_every(20, &base)), "fewer vertices");
+        prop_assert!(!is_alike(&base, &with_every_quad_cut(30, &base)), "more triangles");
+        prop_assert!(!is_alike(&base, &stretched(1.5, &base)), "worse shapes");
     }
 
     #[test]

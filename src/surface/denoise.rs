@@ -94,14 +94,14 @@ fn within_walls(surface: &Surface, given: &[DVec3], smooth: &[DVec3]) -> Vec<DVe
         let area = vector_area(triangle);
         triangle.iter().for_each(|&v| normals[v as usize] += area);
     }
-    let directions: Vec<DVec3> = surface.triangles.par_iter().map(|t| vector_area(t).normalize_or_zero()).collect();
     let tree = Triangles::new(surface);
-    let bounds = tree.bounds_of_normals(&directions);
+    let of_triangles = surface.triangles.par_iter().map(|t| vector_area(t).normalize_or_zero());
+    let of_triangles = tree.with_normals(of_triangles.collect());
     let point = |v: usize| {
         let (way, normal) = (smooth[v] - given[v], normals[v].normalize_or_zero());
         let length = way.length();
         let farthest = length / SHARE_OF_THICKNESS;
-        match tree.nearest_opposed(given[v], farthest, (normal, OPPOSED), (&directions, &bounds)) {
+        match tree.nearest_opposed(given[v], farthest, normal, OPPOSED, &of_triangles) {
             Some(thickness) => given[v] + way * (SHARE_OF_THICKNESS * thickness / length),
             None => smooth[v],
         }

@@ -83,8 +83,12 @@ where
 /// Products of unit vectors that are rounded to f32 differ by less than this.
 const ROUNDING: f32 = 1e-5;
 
-/// Boxes that hold the normals of the triangles of each node of a tree.
-pub(crate) struct NormalBounds(Vec<Bounds>);
+/// Normals of the triangles in a tree.
+pub(crate) struct Normals {
+    of_triangles: Vec<DVec3>,
+    /// Boxes that hold those of each node.
+    bounds: Vec<Bounds>,
+}
 
 /// The triangles of a surface, in a tree.
 pub(crate) struct Triangles {
@@ -122,9 +126,10 @@ impl Triangles {
         (best, squared.sqrt())
     }
 
-    /// Bounds of these normals of the triangles, for [`nearest_opposed`](Self::nearest_opposed).
-    pub fn bounds_of_normals(&self, normals: &[DVec3]) -> NormalBounds {
-        NormalBounds(self.boxes.nodes_of(|t| Bounds::of(&[normals[t as usize].as_vec3()]).grown(f32::EPSILON)))
+    /// Bounds these normals of the triangles, for [`nearest_opposed`](Self::nearest_opposed).
+    pub fn with_normals(&self, of_triangles: Vec<DVec3>) -> Normals {
+        let bounds = |t: u32| Bounds::of(&[of_triangles[t as usize].as_vec3()]).grown(f32::EPSILON);
+        Normals { bounds: self.boxes.nodes_of(bounds), of_triangles }
     }
 
     /// The distance of the nearest triangle whose normal has a cosine below `most` with a direction; `None` where none is nearer than
@@ -133,14 +138,15 @@ impl Triangles {
         &self,
         point: DVec3,
         farthest: f64,
-        (direction, most): (DVec3, f64),
-        (normals, bounds): (&[DVec3], &NormalBounds),
+        direction: DVec3,
+        most: f64,
+        normals: &Normals,
     ) -> Option<f64> {
         let (mut found, mut squared) = (false, farthest * farthest);
-        let has_some = |node: usize| bounds.0[node].least_dot(direction.as_vec3()) < most as f32 + ROUNDING;
+        let has_some = |node: usize| normals.bounds[node].least_dot(direction.as_vec3()) < most as f32 + ROUNDING;
         self.boxes.approach_some(point, squared, has_some, |places| {
             for place in places {
-                if normals[self.boxes.order()[place] as usize].dot(direction) < most {
+                if normals.of_triangles[self.boxes.order()[place] as usize].dot(direction) < most {
                     let distance = squared_distance(point, self.corners[place]);
                     (found, squared) = (found || distance < squared, squared.min(distance));
                 }
@@ -238,8 +244,8 @@ mod tests {
             let surface = Surface::new(&soup, &FeatureOptions::default()).unwrap_or_else(|error| panic!("{error}"));
             let triangles = Triangles::new(&surface);
             let corners = |t: usize| surface.corners(t).map(|p| p.as_dvec3());
-            let normals: Vec<DVec3> = (0..surface.triangle_count()).map(|t| surface.normal(t).as_dvec3()).collect();
-            let bounds = triangles.bounds_of_normals(&normals);
+            let normal = |t: usize| surface.normal(t).as_dvec3();
+            let normals = triangles.with_normals((0..surface.triangle_count()).map(normal).collect());
             let mut state = 1u32;
             let mut random = || {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -254,9 +260,9 @@ mod tests {
                 let (nearest, distance) = triangles.nearest(point);
                 assert_eq!(distance, least, "{name}, {point}");
                 let direction = DVec3::new(random(), random(), random()).normalize();
-                let some = (0..surface.triangle_count()).filter(|&t| normals[t].dot(direction) < -0.5);
+                let some = (0..surface.triangle_count()).filter(|&t| normal(t).dot(direction) < -0.5);
                 let least_opposed = some.map(|t| squared_distance(point, corners(t))).fold(f64::INFINITY, f64::min);
-                let found = triangles.nearest_opposed(point, 1.0, (direction, -0.5), (&normals, &bounds));
+                let found = triangles.nearest_opposed(point, 1.0, direction, -0.5, &normals);
                 assert_eq!(found, Some(least_opposed.sqrt()).filter(|least| *least < 1.0), "{name}, {point}");
                 opposed += usize::from(found.is_some_and(|found| found > distance));
                 assert_eq!(squared_distance(point, corners(nearest as usize)).sqrt(), least, "{name}, {point}");
