@@ -486,7 +486,7 @@ pub fn lay(
     options: &Options,
     progress: &dyn Fn(f32),
 ) -> Result<Mosaic, ComputeError> {
-    lay_by(&builder(surface, field, backend, options, progress), options, count)
+    lay_by(&builder(surface, field, backend, options, progress), options, count, None)
 }
 
 /// The builder of [`lay`].
@@ -501,8 +501,13 @@ fn builder<'a>(
     MosaicBuilder { surface, field, backend, effort, rows, first_scale: 1.0, is_trial: false, progress }
 }
 
-/// As [`lay`], by a builder.
-fn lay_by(builder: &MosaicBuilder, options: &Options, count: usize) -> Result<Mosaic, ComputeError> {
+/// As [`lay`], by a builder, of which `trial` is a trial.
+fn lay_by(
+    builder: &MosaicBuilder,
+    options: &Options,
+    count: usize,
+    trial: Option<Mosaic>,
+) -> Result<Mosaic, ComputeError> {
     let is_absolute = !matches!(options.fineness, Fineness::Points(_)) && !builder.field.sizes().is_equal();
-    if is_absolute { builder.at_scale_for(count) } else { builder.with_count(count) }
+    if is_absolute { builder.at_scale_for(count) } else { builder.with_count(count, trial) }
 }

@@ -30,7 +30,7 @@ fn tiled(name: &str) -> (Surface, Mosaic, Triangulation) {
         is_trial: false,
         progress: &|_| {},
     };
-    let mosaic = builder.with_count(COUNT).expect("the CPU does not fail");
+    let mosaic = builder.with_count(COUNT, None).expect("the CPU does not fail");
     let triangulation = triangulate(&surface, &field, &mosaic);
     (surface, mosaic, triangulation)
 }

@@ -26,7 +26,7 @@ fn laid(surface: &Surface, field: &Field, count: usize) -> Mosaic {
         is_trial: false,
         progress: &|_| {},
     };
-    builder.with_count(count).expect("the CPU does not fail")
+    builder.with_count(count, None).expect("the CPU does not fail")
 }
 
 fn field(surface: &Surface) -> Field {

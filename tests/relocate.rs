@@ -214,7 +214,7 @@ fn meshes_of_tiles_get_better_and_features_keep_their_vertices() {
             is_trial: false,
             progress: &|_| {},
         };
-        let mosaic = builder.with_count(1_000).expect("the CPU does not fail");
+        let mosaic = builder.with_count(1_000, None).expect("the CPU does not fail");
         let triangulation = triangulate(&surface, &field, &mosaic);
         let edges = connect(&triangulation, &ConnectOptions::default());
         let context = Context::new(&surface);

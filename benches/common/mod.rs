@@ -50,7 +50,7 @@ pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {
         is_trial: false,
         progress: &|_| {},
     };
-    builder.with_count(POINTS).expect("the CPU does not fail")
+    builder.with_count(POINTS, None).expect("the CPU does not fail")
 }
 
 /// The surface and its tiles' triangulation.

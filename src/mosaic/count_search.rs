@@ -59,14 +59,14 @@ impl MosaicBuilder<'_> {
         })
     }
 
-    /// A mosaic of nearly `count` tiles.
+    /// A mosaic of nearly `count` tiles. `trial` is one that this builder's surface and field gave in a trial for that count.
     ///
     /// Relaxation of the finest level changes the count a little; where it misses by too much, another count is aimed at.
     ///
     /// # Errors
     /// Where the backend fails.
-    pub fn with_count(&self, count: usize) -> Result<Mosaic, ComputeError> {
-        self.laying(|laying| laying.with_count(count))
+    pub fn with_count(&self, count: usize, trial: Option<Mosaic>) -> Result<Mosaic, ComputeError> {
+        self.laying(|laying| laying.with_count(count, trial))
     }
 
     fn laying(&self, lay: impl FnOnce(&Laying) -> Result<Mosaic, ComputeError>) -> Result<Mosaic, ComputeError> {
@@ -79,10 +79,10 @@ impl MosaicBuilder<'_> {
 }
 
 impl Laying<'_> {
-    fn with_count(&self, count: usize) -> Result<Mosaic, ComputeError> {
+    fn with_count(&self, count: usize, trial: Option<Mosaic>) -> Result<Mosaic, ComputeError> {
         let mut aim = count as f64;
         let mut tried = Vec::new();
-        let mut best = self.aimed_at(aim, &mut tried)?;
+        let mut best = self.aimed_at(aim, trial, &mut tried)?;
         let mut last = best.count();
         let miss = |found: usize| (found.max(1) as f64 / count as f64).ln().abs();
         for _ in 1..ATTEMPTS {
@@ -94,7 +94,7 @@ impl Laying<'_> {
                 break;
             }
             aim *= count as f64 / last.max(1) as f64;
-            let other = self.aimed_at(aim, &mut tried)?;
+            let other = self.aimed_at(aim, None, &mut tried)?;
             last = other.count();
             if miss(last) < miss(best.count()) {
                 best = other;
@@ -103,9 +103,9 @@ impl Laying<'_> {
         Ok(Mosaic { wanted: count, aimed: count, ..best })
     }
 
-    /// A mosaic that has `count` tiles before its finest level is relaxed; one that was `tried` for another count may have them, or
-    /// shows where to begin.
-    fn aimed_at(&self, count: f64, tried: &mut Vec<Try>) -> Result<Mosaic, ComputeError> {
+    /// A mosaic that has `count` tiles before its finest level is relaxed; `trial` is the first one, and one that was `tried` for another
+    /// count may have them, or shows where to begin.
+    fn aimed_at(&self, count: f64, mut trial: Option<Mosaic>, tried: &mut Vec<Try>) -> Result<Mosaic, ComputeError> {
         // Rows that pass everywhere cost more than what they miss by.
         let [less, more] = if self.builder.rows == Rows::Continuous { [COUNT_ERROR; 2] } else { UNRELAXED_ERROR };
         let [less, more] = [less, more].map(|error| error.max(FEW_TILES / count));
@@ -118,8 +118,14 @@ impl Laying<'_> {
         let mut best = nearest(tried, 0).filter(|&known| off(tried[known].count) < reach);
         let (first, tries) = (tried.len(), if best.is_some() { 0 } else { TRIES });
         for attempt in 0..tries {
-            let (h, tilt) = (self.next_scale(count, tried), if tried.len() < EVEN_TRIES { 0.0 } else { TILT });
-            let mosaic = self.unrelaxed(h, tilt)?;
+            let mosaic = match trial.take() {
+                Some(trial) => trial,
+                None => {
+                    let tilt = if tried.len() < EVEN_TRIES { 0.0 } else { TILT };
+                    self.unrelaxed(self.next_scale(count, tried), tilt)?
+                }
+            };
+            let h = mosaic.scale;
             if self.builder.is_trial && mosaic.is_folded() {
                 return Ok(mosaic);
             }

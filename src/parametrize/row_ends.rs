@@ -52,18 +52,33 @@ struct Flow<'a, 'b> {
     is_kept: Vec<bool>,
     /// The price of moving a charge over each half-edge, for each direction of its triangle; infinite: it cannot.
     prices: Vec<[f32; 4]>,
+    /// By how many quarter turns the direction of a charge changes that is moved over each half-edge.
+    turns: Vec<u8>,
     charges: Vec<[i32; 2]>,
     /// Whether a charge of any kind may end in a triangle.
     sinks: Vec<bool>,
     /// Whether a vertex lies where several sheets meet.
     shared: Vec<bool>,
-    // Of a search, by triangle and direction: cost, the state before and the half-edge crossed last, the charge that the path
-    // began with, whether the cost is final.
-    cost: Vec<f64>,
-    from: Vec<Option<(State, u32)>>,
-    label: Vec<u32>,
-    done: Vec<bool>,
+    /// What a search knows of each state.
+    reached: Vec<Reached>,
     touched: Vec<State>,
+}
+
+/// What a search knows of a state.
+#[derive(Clone, Copy)]
+struct Reached {
+    /// Infinite where the state is not reached.
+    cost: f64,
+    /// Whether the cost is final.
+    is_final: bool,
+    /// The charge that the path began with.
+    label: u32,
+    /// The state before and the half-edge crossed last.
+    from: Option<(State, u32)>,
+}
+
+impl Reached {
+    const NOT: Self = Self { cost: f64::INFINITY, is_final: false, label: NOWHERE, from: None };
 }
 
 /// A unit charge in a triangle, with its direction in quarter turns from the axis at the triangle's first corner.
@@ -195,7 +210,6 @@ impl Parametrization<'_> {
         }
         let mut is_kept = vec![false; intervals.len()];
         self.intervals.iter().for_each(|asked| is_kept[asked.curve] = true);
-        let states = 4 * triangles as usize;
         let mut flow = Flow {
             surface,
             parametrization: self,
@@ -204,18 +218,16 @@ impl Parametrization<'_> {
             intervals,
             is_kept,
             prices: Vec::new(),
+            turns: Vec::new(),
             charges,
             sinks,
             shared,
-            cost: vec![f64::INFINITY; states],
-            from: vec![None; states],
-            label: vec![NOWHERE; states],
-            done: vec![false; states],
+            reached: vec![Reached::NOT; 4 * triangles as usize],
             touched: Vec::new(),
         };
-        flow.prices = {
+        (flow.prices, flow.turns) = {
             let flow = &flow;
-            (0..3 * triangles).into_par_iter().map(|h| flow.prices_of(h)).collect()
+            (0..3 * triangles).into_par_iter().map(|h| (flow.prices_of(h), flow.turn(h))).unzip()
         };
         let mut path_edges = flow.set_intervals();
         loop {
@@ -278,7 +290,7 @@ impl Flow<'_, '_> {
                 let state = State::new(h / 3, direction % 4);
                 self.charge(state, -1);
                 if let Some(twin) = self.surface.twin(h) {
-                    self.charge(State::new(twin / 3, self.across(h, twin, state.direction())), 1);
+                    self.charge(self.across(h, twin, state.direction()), 1);
                 }
                 self.change_jumps(state, h);
                 crossed += 1;
@@ -307,22 +319,22 @@ impl Flow<'_, '_> {
             if asked % ASKED_EVERY == 0 {
                 backend.check()?;
             }
-            let label = |flow: &Self, state: State| flow.label[state.index()] as usize;
+            let label = |flow: &Self, state: State| flow.reached[state.index()].label as usize;
             match event {
                 Event::Reached(state) => {
-                    if cost > self.cost[state.index()] || !alive[label(self, state)] {
+                    let here = &mut self.reached[state.index()];
+                    if cost > here.cost || !alive[here.label as usize] {
                         continue;
                     }
-                    self.done[state.index()] = true;
+                    here.is_final = true;
                     if self.sinks[state.triangle() as usize] {
                         alive[label(self, state)] = false;
                         crossed += self.apply_path(End::Inside(state));
                         continue;
                     }
-                    let opposite = state.opposite();
-                    if self.done[opposite.index()] {
-                        let together = cost + self.cost[opposite.index()];
-                        queue.push(together, Event::Met(state, opposite));
+                    let opposite = self.reached[state.opposite().index()];
+                    if opposite.is_final {
+                        queue.push(cost + opposite.cost, Event::Met(state, state.opposite()));
                     }
                     self.grow(state, cost, most, &mut queue);
                 }
@@ -354,9 +366,9 @@ impl Flow<'_, '_> {
             match self.surface.twin(h) {
                 None => queue.push(there, Event::Left(state, h)),
                 Some(twin) => {
-                    let next = State::new(twin / 3, self.across(h, twin, state.direction()));
-                    if there < self.cost[next.index()] {
-                        self.reach(next, there, Some((state, h)), self.label[state.index()]);
+                    let next = self.across(h, twin, state.direction());
+                    if there < self.reached[next.index()].cost {
+                        self.reach(next, there, Some((state, h)), self.reached[state.index()].label);
                         queue.push(there, Event::Reached(next));
                     }
                 }
@@ -366,8 +378,7 @@ impl Flow<'_, '_> {
 
     fn reset_search(&mut self) {
         for state in self.touched.drain(..) {
-            self.cost[state.index()] = f64::INFINITY;
-            self.done[state.index()] = false;
+            self.reached[state.index()] = Reached::NOT;
         }
     }
 
@@ -405,7 +416,7 @@ impl Flow<'_, '_> {
         }
         while let Some((cost, event)) = queue.pop() {
             match event {
-                Event::Reached(state) if cost > self.cost[state.index()] => {}
+                Event::Reached(state) if cost > self.reached[state.index()].cost => {}
                 Event::Reached(state) if takes(self, state) => return Some(End::Inside(state)),
                 Event::Reached(state) => self.grow(state, cost, f64::INFINITY, &mut queue),
                 Event::Left(state, h) => return Some(End::Outside(state, h)),
@@ -416,26 +427,31 @@ impl Flow<'_, '_> {
     }
 
     fn reach(&mut self, state: State, cost: f64, from: Option<(State, u32)>, label: u32) {
-        if self.cost[state.index()].is_infinite() {
+        let place = &mut self.reached[state.index()];
+        if place.cost.is_infinite() {
             self.touched.push(state);
         }
-        self.cost[state.index()] = cost;
-        self.from[state.index()] = from;
-        self.label[state.index()] = label;
+        *place = Reached { cost, is_final: place.is_final, label, from };
     }
 
-    /// The direction that a charge in the direction `k` has on the other side of a half-edge.
-    fn across(&self, half_edge: u32, twin: u32, k: u32) -> u32 {
+    /// The state on the other side of a half-edge of a charge in the direction `k`.
+    fn across(&self, half_edge: u32, twin: u32, k: u32) -> State {
+        State::new(twin / 3, (k + u32::from(self.turns[half_edge as usize])) % 4)
+    }
+
+    /// See [`Self::turns`]; 0 on a boundary.
+    fn turn(&self, half_edge: u32) -> u8 {
+        let Some(twin) = self.surface.twin(half_edge) else { return 0 };
         let parametrization = &self.parametrization;
         // To the axes where the half-edge begins, where its twin ends; then to where the twin begins, and home.
-        let here = k + 4 - parametrization.quarters_home(half_edge);
         let quarters = if self.surface.features().is_feature(half_edge) {
             // Beside a feature each side has its own axes; along it they are opposite.
-            return (self.along(twin) + 4 + 2 + here - self.along(half_edge) + parametrization.quarters_home(twin)) % 4;
+            self.along(twin) + 4 + 2 - self.along(half_edge)
         } else {
             parametrization.transitions[half_edge as usize].quarters
         };
-        (here + quarters + parametrization.quarters_home(twin)) % 4
+        let home = |h: u32| parametrization.quarters_home(h);
+        ((4 - home(half_edge) + quarters + home(twin)) % 4) as u8
     }
 
     /// Quarter turns from the axis to a half-edge on a feature, where it begins.
@@ -493,7 +509,7 @@ impl Flow<'_, '_> {
                 state
             }
         };
-        while let Some((before, h)) = self.from[state.index()] {
+        while let Some((before, h)) = self.reached[state.index()].from {
             self.change_jumps(before, h);
             crossed += 1;
             state = before;
@@ -524,7 +540,8 @@ impl Flow<'_, '_> {
         };
         add(&mut self.parametrization.jumps[half_edge as usize], here + 2);
         if let Some(twin) = self.surface.twin(half_edge) {
-            let there = self.across(half_edge, twin, state.direction()) + 4 - self.parametrization.quarters_home(twin);
+            let there = self.across(half_edge, twin, state.direction()).direction() + 4
+                - self.parametrization.quarters_home(twin);
             add(&mut self.parametrization.jumps[twin as usize], there % 4);
             self.prices[twin as usize] = self.prices_of(twin);
         }

@@ -76,10 +76,10 @@ pub(super) fn lay_carried(
     let progress = clock.progress;
     let advance = |share| progress.advance(share);
     let field_of = |fallback: Fallback| field(surface, sizes.clone(), count, &fallback.applied(options), backend);
-    let laid = |fallback: Fallback, field: &Field, first_scale, is_trial| {
+    let laid = |fallback: Fallback, field: &Field, first_scale, is_trial, trial| {
         let options = &*fallback.applied(options);
         let builder = MosaicBuilder { first_scale, is_trial, ..builder(surface, field, backend, options, &advance) };
-        lay_by(&builder, options, aim)
+        lay_by(&builder, options, aim, trial)
     };
     let is_open = carried.fallback == Fallback::Unknown && options.layout == Layout::Quads;
 
@@ -87,7 +87,7 @@ pub(super) fn lay_carried(
     let fitted = field_of(carried.fallback)?;
 
     clock.begin(Stage::Mosaic)?;
-    let mosaic = laid(carried.fallback, &fitted, carried.first_scale, is_open)?;
+    let mosaic = laid(carried.fallback, &fitted, carried.first_scale, is_open, None)?;
     if is_open {
         carried.fallback = Fallback::None;
     }
@@ -95,18 +95,18 @@ pub(super) fn lay_carried(
         return Ok((fitted, mosaic));
     }
     let equal = field_of(Fallback::EqualSides)?;
-    let other = laid(Fallback::EqualSides, &equal, 1.0, true)?;
-    let (fallback, field) = if mosaic.cost().min(other.cost()) > SQUEEZED {
-        (Fallback::RowEnds, field_of(Fallback::RowEnds)?)
+    let other = laid(Fallback::EqualSides, &equal, 1.0, true, None)?;
+    let (fallback, field, trial) = if mosaic.cost().min(other.cost()) > SQUEEZED {
+        (Fallback::RowEnds, field_of(Fallback::RowEnds)?, None)
     } else if other.cost() < mosaic.cost() {
-        (Fallback::EqualSides, equal)
+        (Fallback::EqualSides, equal, Some(other))
     } else {
-        (Fallback::None, fitted)
+        (Fallback::None, fitted, Some(mosaic))
     };
     carried.fallback = fallback;
-    if fallback == Fallback::EqualSides && !other.is_folded() {
-        return Ok((field, other));
-    }
-    let mosaic = laid(fallback, &field, 1.0, false)?;
+    let mosaic = match trial {
+        Some(trial) if !trial.is_folded() => trial,
+        trial => laid(fallback, &field, 1.0, false, trial)?,
+    };
     Ok((field, mosaic))
 }
