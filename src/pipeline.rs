@@ -255,7 +255,7 @@ fn attempt<'a>(
     let options = &sizing.carried.fallback.applied(options);
     let mosaic = Mosaic { wanted: count, ..mosaic };
     let thin = if sizing.carried.is_refined { THIN_REFINED } else { THIN };
-    sizing.carried.first_scale = f64::from(mosaic.scale / field.sizes().side_for_count(&surface, aim));
+    sizing.carried.first_scale = Some(f64::from(mosaic.scale / field.sizes().side_for_count(&surface, aim)));
 
     clock.begin(Stage::Connect)?;
     let context = || Context::new(&surface).watched(progress);
@@ -498,7 +498,7 @@ fn builder<'a>(
     progress: &'a dyn Fn(f32),
 ) -> MosaicBuilder<'a> {
     let (effort, rows) = (Effort::default(), options.rows);
-    MosaicBuilder { surface, field, backend, effort, rows, first_scale: 1.0, is_trial: false, progress }
+    MosaicBuilder { surface, field, backend, effort, rows, first_scale: None, is_trial: false, progress }
 }
 
 /// As [`lay`], by a builder, of which `trial` is a trial.

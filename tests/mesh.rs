@@ -26,7 +26,7 @@ fn tiled(name: &str) -> (Surface, Mosaic, Triangulation) {
         backend: &Cpu,
         effort: Effort::default(),
         rows: Rows::Paper,
-        first_scale: 1.0,
+        first_scale: None,
         is_trial: false,
         progress: &|_| {},
     };

@@ -22,7 +22,7 @@ fn laid(surface: &Surface, field: &Field, count: usize) -> Mosaic {
         backend: &Cpu,
         effort: Effort::default(),
         rows: Rows::Paper,
-        first_scale: 1.0,
+        first_scale: None,
         is_trial: false,
         progress: &|_| {},
     };

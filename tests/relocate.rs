@@ -210,7 +210,7 @@ fn meshes_of_tiles_get_better_and_features_keep_their_vertices() {
             backend: &Cpu,
             effort,
             rows,
-            first_scale: 1.0,
+            first_scale: None,
             is_trial: false,
             progress: &|_| {},
         };

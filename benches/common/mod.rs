@@ -46,7 +46,7 @@ pub fn mosaic(surface: &Surface, field: &Field) -> Mosaic {
         backend: &Cpu,
         effort: Effort::default(),
         rows: Rows::Paper,
-        first_scale: 1.0,
+        first_scale: None,
         is_trial: false,
         progress: &|_| {},
     };

@@ -69,9 +69,9 @@ pub struct MosaicBuilder<'a> {
     pub effort: Effort,
     /// Whether rows may end.
     pub rows: Rows,
-    /// The scale that is tried first, over the one at which the sizes give the count: 1, or what an earlier mosaic of nearly the
-    /// same surface has found.
-    pub first_scale: f64,
+    /// What an earlier mosaic of nearly the same surface has found: the scale that is tried first, over the one at which the sizes give
+    /// the count. `None`: there was none.
+    pub first_scale: Option<f64>,
     /// Whether a mosaic whose continuous rows fold much is given as it is laid first, whatever its count, as another field may fit
     /// better.
     pub is_trial: bool,

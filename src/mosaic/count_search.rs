@@ -147,7 +147,7 @@ impl Laying<'_> {
     }
 
     /// Of rows that pass over the whole surface, those of the least cost at nearly the same scale: which rows meet which is left to
-    /// chance where the surface is narrow. `is_near` says whether a count is as near as it must be.
+    /// chance where the surface is narrow. Once an earlier mesh has found a scale, no other is tried. `is_near` says whether a count is as near as it must be.
     fn least_folded(
         &self,
         h: f32,
@@ -156,7 +156,7 @@ impl Laying<'_> {
     ) -> Result<(f32, Mosaic), ComputeError> {
         let mut best = (h, mosaic);
         for nearby in NEARBY {
-            if !best.1.is_folded() || best.1.cost() > CHANCELESS {
+            if self.builder.first_scale.is_some() || !best.1.is_folded() || best.1.cost() > CHANCELESS {
                 break;
             }
             let other = self.unrelaxed(h * nearby, 0.0)?;
@@ -183,7 +183,7 @@ impl Laying<'_> {
             (_, Some(last)) => last.h * (miss(last) / 2.0).exp() as f32,
             (_, None) => {
                 let MosaicBuilder { surface, field, first_scale, .. } = self.builder;
-                field.sizes().side_for_count(surface, count.round() as usize) * *first_scale as f32
+                field.sizes().side_for_count(surface, count.round() as usize) * first_scale.unwrap_or(1.0) as f32
             }
         }
     }

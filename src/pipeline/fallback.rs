@@ -40,12 +40,12 @@ pub(super) struct Carried {
     /// How its rows differ from those that the layout asks for.
     pub fallback: Fallback,
     /// See [`MosaicBuilder::first_scale`](crate::mosaic::MosaicBuilder::first_scale).
-    pub first_scale: f64,
+    pub first_scale: Option<f64>,
 }
 
 impl Carried {
     /// Nothing.
-    pub(super) const UNKNOWN: Self = Self { is_refined: false, fallback: Fallback::Unknown, first_scale: 1.0 };
+    pub(super) const UNKNOWN: Self = Self { is_refined: false, fallback: Fallback::Unknown, first_scale: None };
 }
 
 impl Fallback {
@@ -95,7 +95,7 @@ pub(super) fn lay_carried(
         return Ok((fitted, mosaic));
     }
     let equal = field_of(Fallback::EqualSides)?;
-    let other = laid(Fallback::EqualSides, &equal, 1.0, true, None)?;
+    let other = laid(Fallback::EqualSides, &equal, None, true, None)?;
     let (fallback, field, trial) = if mosaic.cost().min(other.cost()) > SQUEEZED {
         (Fallback::RowEnds, field_of(Fallback::RowEnds)?, None)
     } else if other.cost() < mosaic.cost() {
@@ -106,7 +106,7 @@ pub(super) fn lay_carried(
     carried.fallback = fallback;
     let mosaic = match trial {
         Some(trial) if !trial.is_folded() => trial,
-        trial => laid(fallback, &field, 1.0, false, trial)?,
+        trial => laid(fallback, &field, None, false, trial)?,
     };
     Ok((field, mosaic))
 }

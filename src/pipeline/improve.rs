@@ -8,7 +8,6 @@ use super::{Fineness, Meshed, Options, Outcome, PipelineError, attempt};
 use crate::compute::Backend;
 use crate::mesh::check::Faults;
 use crate::mesh::compare::Difference;
-use crate::parametrize::Rows;
 use crate::progress::{Progress, Stage};
 use std::iter::zip;
 
@@ -16,8 +15,8 @@ use std::iter::zip;
 const REPEATS: usize = 8;
 /// A mesh that misses the wanted count by a larger share is made again.
 const COUNT_TOLERANCE: f64 = 0.02;
-/// For its count alone a mesh is made again so often where rows may end, and where they do not: they come whole.
-const MOST_CORRECTIONS: [usize; 2] = [1, 2];
+/// A mesh without faults is made again so often for its count.
+const MOST_CORRECTIONS: usize = 2;
 /// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where faults are still more than two thirds as frequent,
 /// and more than so many, or it is no better for so many times.
 const MANY: usize = 10;
@@ -41,11 +40,16 @@ pub(super) fn improve(
     // The surface of the latest mesh, where that is not the best one.
     let mut latest = None;
     let (mut futile, mut corrections) = (0, 0);
-    let most_corrections = MOST_CORRECTIONS[usize::from(options.rows == Rows::Continuous)];
     for _ in 0..REPEATS {
-        let is_off = miss.abs() > COUNT_TOLERANCE;
-        // For the count alone few corrections are enough, or do not help.
-        if places.is_empty() && !(is_off && corrections < most_corrections) || best.meshed.is_hopeless() {
+        let is_off = |miss: f64| miss.abs() > COUNT_TOLERANCE;
+        if best.meshed.wrong() == 0 {
+            // For the count alone few corrections are enough, or do not help.
+            if !is_off(best.miss(options)) || corrections == MOST_CORRECTIONS {
+                break;
+            }
+            corrections += 1;
+        }
+        if best.meshed.is_hopeless() {
             break;
         }
         let mut clock = Clock::new(progress);
@@ -54,9 +58,8 @@ pub(super) fn improve(
         if !places.is_empty() {
             sizing = sizing.refined(&surface, &places)?;
         }
-        if is_off {
+        if is_off(miss) {
             sizing.aim *= (-miss).exp();
-            corrections += 1;
         }
         let prepared = sizing.sized(surface, options, progress)?;
         let is_allowed = options.limits.expect_memory(best.surface.undivided().triangles, prepared.count).is_ok();
