@@ -18,7 +18,7 @@ const COUNT_TOLERANCE: f64 = 0.02;
 /// A mesh without faults is made again so often for its count.
 const MOST_CORRECTIONS: usize = 2;
 /// A mesh of more vertices than [`LARGE`] is not made again, as it takes long, where faults are still more than two thirds as frequent,
-/// and more than so many, or it is no better for so many times.
+/// and more than so many, or neither their number nor their frequency has fallen for so many times.
 const MANY: usize = 10;
 const MOST_FUTILE: usize = 2;
 const LARGE: usize = 1_500;
@@ -39,7 +39,8 @@ pub(super) fn improve(
     let (mut places, mut miss) = (best.meshed.faulty_places(), best.miss(options));
     // The surface of the latest mesh, where that is not the best one.
     let mut latest = None;
-    let (mut futile, mut corrections) = (0, 0);
+    let mut patience = Patience::new(best.meshed.share_wrong());
+    let mut corrections = 0;
     for _ in 0..REPEATS {
         let is_off = |miss: f64| miss.abs() > COUNT_TOLERANCE;
         if best.meshed.wrong() == 0 {
@@ -70,20 +71,43 @@ pub(super) fn improve(
         let times = zip(&best.times, &next.times).map(|(spent, more)| (spent.0, spent.1 + more.1)).collect();
         let (before, after) = (best.meshed.wrong(), next.meshed.wrong());
         let is_large = next.meshed.mesh.points.len() > LARGE;
-        let is_frequent = 3.0 * next.meshed.share_wrong() > 2.0 * best.meshed.share_wrong();
+        let shares = [&next, best].map(|outcome| outcome.meshed.share_wrong());
         (sizing, places, miss) = (corrected, next.meshed.faulty_places(), next.miss(options));
         let rank = |wrong: usize, miss: f64| (wrong, miss.abs().max(COUNT_TOLERANCE));
-        if rank(after, miss) < rank(before, best.miss(options)) {
-            (*best, futile) = (next, 0);
+        let is_better = rank(after, miss) < rank(before, best.miss(options));
+        if is_better {
+            *best = next;
         } else {
-            (latest, futile) = (Some(next.surface), futile + 1);
+            latest = Some(next.surface);
         }
         best.times = times;
-        if is_large && (futile >= MOST_FUTILE || after > MANY && is_frequent) {
+        if patience.is_spent(after, shares, is_better) && is_large {
             break;
         }
     }
     Ok(())
+}
+
+/// Whether it is worth to make a large mesh again.
+struct Patience {
+    /// The least frequency of faults yet.
+    least_share: f64,
+    /// How often neither the number nor the frequency of faults has fallen.
+    futile: usize,
+}
+
+impl Patience {
+    fn new(share: f64) -> Self {
+        Self { least_share: share, futile: 0 }
+    }
+
+    /// Whether it is spent by one more mesh with so many faults. `share` is their frequency, `best` that of the best mesh before.
+    fn is_spent(&mut self, faults: usize, [share, best]: [f64; 2], is_better: bool) -> bool {
+        let is_like = |other: f64| 3.0 * share > 2.0 * other;
+        self.futile = if !is_better && is_like(self.least_share) { self.futile + 1 } else { 0 };
+        self.least_share = self.least_share.min(share);
+        self.futile >= MOST_FUTILE || faults > MANY && is_like(best)
+    }
 }
 
 /// The number of faults and differences.
@@ -123,5 +147,36 @@ impl Meshed {
             _ => None,
         });
         self.faults.list.iter().map(|fault| fault.at).chain(of_differences).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether patience is left after meshes with these numbers of faults and of faces.
+    fn is_left(meshes: &[[usize; 2]]) -> bool {
+        let share = |[faults, faces]: [usize; 2]| faults as f64 / faces as f64;
+        let mut best = meshes[0];
+        let mut patience = Patience::new(share(best));
+        meshes[1..].iter().all(|&mesh| {
+            let is_better = mesh[0] < best[0];
+            let is_spent = patience.is_spent(mesh[0], [share(mesh), share(best)], is_better);
+            best = if is_better { mesh } else { best };
+            !is_spent
+        })
+    }
+
+    #[test]
+    fn a_mesh_is_made_again_while_faults_become_fewer_or_rarer() {
+        assert!(is_left(&[[50, 120], [49, 460], [48, 1_840]]), "fewer");
+        assert!(
+            is_left(&[[50, 120], [209, 1_600], [242, 4_000], [250, 9_000]]),
+            "rarer, though more faces have more of them"
+        );
+        assert!(!is_left(&[[50, 120], [209, 450]]), "as frequent");
+        assert!(is_left(&[[5, 2_000], [6, 2_000]]), "once more");
+        assert!(!is_left(&[[5, 2_000], [6, 2_000], [5, 2_000]]), "neither, twice");
+        assert!(is_left(&[[5, 2_000], [6, 2_000], [4, 2_000], [4, 2_000]]), "twice, but not one after the other");
     }
 }
