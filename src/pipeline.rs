@@ -228,6 +228,24 @@ fn run_watched(
     backend: &dyn Backend,
     progress: &Progress,
 ) -> Result<Outcome, PipelineError> {
+    let made = made(soup, options, backend, progress)?;
+    // Features, noise and thin parts were those that tiles of the asked count see, which are far larger.
+    let Some(count) = made.raised(options).filter(|_| made.meshed.wrong() > 0 && !progress.is_cancelled()) else {
+        return Ok(made);
+    };
+    let finer = Options { fineness: Fineness::Points(count), ..options.clone() };
+    match self::made(soup, &finer, backend, progress) {
+        Err(PipelineError::Cancelled(cancelled)) if progress.late().is_none() => Err(cancelled.into()),
+        Ok(other) if other.meshed.wrong() < made.meshed.wrong() => {
+            Ok(Outcome { times: made.times_with(&other), ..other })
+        }
+        Ok(other) => Ok(Outcome { times: made.times_with(&other), ..made }),
+        Err(_) => Ok(made),
+    }
+}
+
+/// The mesh of [`run_watched`], made for the asked count.
+fn made(soup: &Soup, options: &Options, backend: &dyn Backend, progress: &Progress) -> Result<Outcome, PipelineError> {
     let backend = &Watched { backend, progress };
     let mut clock = Clock::new(progress);
     clock.begin(Stage::Surface)?;

@@ -10,6 +10,7 @@ use crate::mesh::check::Faults;
 use crate::mesh::compare::Difference;
 use crate::progress::{Progress, Stage};
 use std::iter::zip;
+use std::time::Duration;
 
 /// The most times that a mesh is made again, for its faults or its count.
 const REPEATS: usize = 8;
@@ -26,6 +27,9 @@ const LARGE: usize = 1_500;
 const MOST_RAISED: usize = 12;
 /// ... or to this count where that is more: thin walls need many vertices, however few are asked for.
 const ALWAYS_ALLOWED: usize = 24_000;
+
+/// A mesh of so many times the asked number of vertices that has faults still is made for its own number at last.
+const RAISED: usize = 2;
 
 /// Makes a mesh again that has faults, with smaller tiles there, or misses the count, with more tiles or fewer; `best` is the best one at
 /// any time, after an error too.
@@ -68,7 +72,7 @@ pub(super) fn improve(
             break;
         }
         let (corrected, next) = attempt(prepared, options, backend, clock)?;
-        let times = zip(&best.times, &next.times).map(|(spent, more)| (spent.0, spent.1 + more.1)).collect();
+        let times = best.times_with(&next);
         let (before, after) = (best.meshed.wrong(), next.meshed.wrong());
         let is_large = next.meshed.mesh.points.len() > LARGE;
         let shares = [&next, best].map(|outcome| outcome.meshed.share_wrong());
@@ -116,6 +120,17 @@ pub(super) fn wrong(faults: &Faults, differences: &[Difference]) -> usize {
 }
 
 impl Outcome {
+    /// The number of vertices, where it is far more than the number that is asked for.
+    pub(super) fn raised(&self, options: &Options) -> Option<usize> {
+        let found = self.meshed.mesh.points.len();
+        matches!(options.fineness, Fineness::Points(asked) if found >= RAISED * asked).then_some(found)
+    }
+
+    /// The times of both, stage by stage.
+    pub(super) fn times_with(&self, other: &Self) -> Vec<(Stage, Duration)> {
+        zip(&self.times, &other.times).map(|(spent, more)| (spent.0, spent.1 + more.1)).collect()
+    }
+
     /// The logarithm of the number of vertices over the wanted one; 0 where no number is asked for.
     fn miss(&self, options: &Options) -> f64 {
         match options.fineness {
@@ -126,7 +141,7 @@ impl Outcome {
 }
 
 impl Meshed {
-    fn wrong(&self) -> usize {
+    pub(super) fn wrong(&self) -> usize {
         wrong(&self.faults, &self.differences)
     }
 
