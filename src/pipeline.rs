@@ -228,19 +228,17 @@ fn run_watched(
     backend: &dyn Backend,
     progress: &Progress,
 ) -> Result<Outcome, PipelineError> {
-    let made = made(soup, options, backend, progress)?;
+    let first = made(soup, options, backend, progress)?;
+    let Some(count) = first.raised_in_vain(options).filter(|_| !progress.is_cancelled()) else { return Ok(first) };
     // Features, noise and thin parts were those that tiles of the asked count see, which are far larger.
-    let Some(count) = made.raised(options).filter(|_| made.meshed.wrong() > 0 && !progress.is_cancelled()) else {
-        return Ok(made);
-    };
     let finer = Options { fineness: Fineness::Points(count), ..options.clone() };
-    match self::made(soup, &finer, backend, progress) {
+    match made(soup, &finer, backend, progress) {
         Err(PipelineError::Cancelled(cancelled)) if progress.late().is_none() => Err(cancelled.into()),
-        Ok(other) if other.meshed.wrong() < made.meshed.wrong() => {
-            Ok(Outcome { times: made.times_with(&other), ..other })
+        Ok(other) if other.meshed.wrong() < first.meshed.wrong() => {
+            Ok(Outcome { times: first.times_with(&other), ..other })
         }
-        Ok(other) => Ok(Outcome { times: made.times_with(&other), ..made }),
-        Err(_) => Ok(made),
+        Ok(other) => Ok(Outcome { times: first.times_with(&other), ..first }),
+        Err(_) => Ok(first),
     }
 }
 

@@ -147,7 +147,8 @@ impl Laying<'_> {
     }
 
     /// Of rows that pass over the whole surface, those of the least cost at nearly the same scale: which rows meet which is left to
-    /// chance where the surface is narrow. Once an earlier mesh has found a scale, no other is tried. `is_near` says whether a count is as near as it must be.
+    /// chance where the surface is narrow. Once an earlier mesh has found a scale, no other is tried. `is_near` says whether a count is as
+    /// near as it must be.
     fn least_folded(
         &self,
         h: f32,

@@ -120,10 +120,11 @@ pub(super) fn wrong(faults: &Faults, differences: &[Difference]) -> usize {
 }
 
 impl Outcome {
-    /// The number of vertices, where it is far more than the number that is asked for.
-    pub(super) fn raised(&self, options: &Options) -> Option<usize> {
+    /// The number of vertices, where it is far more than the number that is asked for and there are faults still.
+    pub(super) fn raised_in_vain(&self, options: &Options) -> Option<usize> {
         let found = self.meshed.mesh.points.len();
-        matches!(options.fineness, Fineness::Points(asked) if found >= RAISED * asked).then_some(found)
+        let is_raised = matches!(options.fineness, Fineness::Points(asked) if found >= RAISED * asked);
+        (is_raised && self.meshed.wrong() > 0 && !self.meshed.is_hopeless()).then_some(found)
     }
 
     /// The times of both, stage by stage.
