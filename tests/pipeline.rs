@@ -289,10 +289,10 @@ fn thin_parts_raise_the_count_and_the_mesh_keeps_it() {
     };
     let outcome = of(3.0);
     assert_clean(&outcome.meshed, "a bar");
-    // A third of its girth is the side of a tile; its four edges have a row each, so the first mesh has a third too many, and two more
-    // have fewer.
+    // A third of its girth is the side of a tile. Its four edges have a row each, so the first mesh has a third too many; corrections
+    // bring it within a tenth.
     let (wanted, found) = (outcome.mosaic.wanted, outcome.meshed.mesh.points.len());
-    assert!((440..460).contains(&wanted) && (460..=500).contains(&found), "{found} vertices for {wanted}");
+    assert!((440..460).contains(&wanted) && 10 * found.abs_diff(wanted) <= wanted, "{found} vertices for {wanted}");
     assert_eq!(of(0.0).mosaic.wanted, 150);
 }
 
