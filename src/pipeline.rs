@@ -233,12 +233,13 @@ fn run_watched(
     // Features, noise and thin parts were those that tiles of the asked count see, which are far larger.
     let finer = Options { fineness: Fineness::Points(count), ..options.clone() };
     match made(soup, &finer, backend, progress) {
-        Err(PipelineError::Cancelled(cancelled)) if progress.late().is_none() => Err(cancelled.into()),
         Ok(other) if other.meshed.wrong() < first.meshed.wrong() => {
             Ok(Outcome { times: first.times_with(&other), ..other })
         }
         Ok(other) => Ok(Outcome { times: first.times_with(&other), ..first }),
-        Err(_) => Ok(first),
+        Err(PipelineError::Limit(_)) => Ok(first),
+        Err(PipelineError::Cancelled(_)) if progress.late().is_some() => Ok(first),
+        Err(error) => Err(error),
     }
 }
 
