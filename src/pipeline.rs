@@ -30,7 +30,7 @@ pub use symmetric::Symmetric;
 
 use self::clock::Clock;
 use self::fallback::lay_carried;
-use self::improve::improve;
+use self::improve::{improve, most_raised};
 use self::prepare::{Prepared, Sizing, approximate_count, prepared, repaired};
 use crate::compute::{Backend, ComputeError, Watched};
 use crate::field::{Align, Field, FieldOptions, Stretch};
@@ -52,6 +52,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::sizes::{SizeOptions, Sizes};
 use crate::surface::{FeatureOptions, KeptBoundary, NamedEdge, RepairOptions, Soup, Surface};
 use crate::symmetry::Symmetry;
+use std::mem::swap;
 use std::time::Duration;
 
 pub use crate::progress::{Late, Stage, Watch, unwatched};
@@ -228,23 +229,32 @@ fn run_watched(
     backend: &dyn Backend,
     progress: &Progress,
 ) -> Result<Outcome, PipelineError> {
-    let first = made(soup, options, backend, progress)?;
-    let Some(count) = first.raised_in_vain(options).filter(|_| !progress.is_cancelled()) else { return Ok(first) };
-    // Features, noise and thin parts were those that tiles of the asked count see, which are far larger.
-    let finer = Options { fineness: Fineness::Points(count), ..options.clone() };
-    match made(soup, &finer, backend, progress) {
-        Ok(other) if other.meshed.wrong() < first.meshed.wrong() => {
-            Ok(Outcome { times: first.times_with(&other), ..other })
+    let (mut best, mut raised) = made(soup, options, backend, progress)?;
+    while let Some(count) = raised.filter(|_| best.meshed.wrong() > 0 && !progress.is_cancelled()) {
+        // The features, the noise and the thin parts were those that tiles of the asked count see, which are far larger.
+        let finer = Options { fineness: Fineness::Points(count), ..options.clone() };
+        let (mut other, more) = match made(soup, &finer, backend, progress) {
+            Err(PipelineError::Limit(_)) => break,
+            Err(PipelineError::Cancelled(_)) if progress.late().is_some() => break,
+            done => done?,
+        };
+        raised = more.filter(|more| matches!(options.fineness, Fineness::Points(asked) if *more <= most_raised(asked)));
+        let times = best.times_with(&other);
+        if other.meshed.wrong() < best.meshed.wrong() {
+            swap(&mut best, &mut other);
         }
-        Ok(other) => Ok(Outcome { times: first.times_with(&other), ..first }),
-        Err(PipelineError::Limit(_)) => Ok(first),
-        Err(PipelineError::Cancelled(_)) if progress.late().is_some() => Ok(first),
-        Err(error) => Err(error),
+        best.times = times;
     }
+    Ok(best)
 }
 
-/// The mesh of [`run_watched`], made for the asked count.
-fn made(soup: &Soup, options: &Options, backend: &dyn Backend, progress: &Progress) -> Result<Outcome, PipelineError> {
+/// The mesh of [`run_watched`] for the asked count, and the count for which it is to be made anew.
+fn made(
+    soup: &Soup,
+    options: &Options,
+    backend: &dyn Backend,
+    progress: &Progress,
+) -> Result<(Outcome, Option<usize>), PipelineError> {
     let backend = &Watched { backend, progress };
     let mut clock = Clock::new(progress);
     clock.begin(Stage::Surface)?;
@@ -252,8 +262,8 @@ fn made(soup: &Soup, options: &Options, backend: &dyn Backend, progress: &Progre
     options.limits.expect_memory(soup.triangles.len(), prepared.count)?;
     let (sizing, mut best) = attempt(prepared, options, backend, clock)?;
     match improve(&mut best, sizing, options, backend, progress) {
-        Err(PipelineError::Cancelled(_)) if progress.late().is_some() => Ok(best),
-        improved => improved.map(|()| best),
+        Err(PipelineError::Cancelled(_)) if progress.late().is_some() => Ok((best, None)),
+        improved => improved.map(|raised| (best, raised)),
     }
 }
 

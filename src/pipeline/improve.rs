@@ -28,18 +28,19 @@ const MOST_RAISED: usize = 12;
 /// ... or to this count where that is more: thin walls need many vertices, however few are asked for.
 const ALWAYS_ALLOWED: usize = 24_000;
 
-/// A mesh of so many times the asked number of vertices that has faults still is made for its own number at last.
+/// A mesh that needs so many times the asked number of vertices is made anew for its own number.
 const RAISED: usize = 2;
 
 /// Makes a mesh again that has faults, with smaller tiles there, or misses the count, with more tiles or fewer; `best` is the best one at
-/// any time, after an error too.
+/// any time, after an error too. Returns the number of vertices for which it is to be made anew, where it needs far more than are asked
+/// for.
 pub(super) fn improve(
     best: &mut Outcome,
     mut sizing: Sizing,
     options: &Options,
     backend: &dyn Backend,
     progress: &Progress,
-) -> Result<(), PipelineError> {
+) -> Result<Option<usize>, PipelineError> {
     let (mut places, mut miss) = (best.meshed.faulty_places(), best.miss(options));
     // The surface of the latest mesh, where that is not the best one.
     let mut latest = None;
@@ -68,8 +69,12 @@ pub(super) fn improve(
         }
         let prepared = sizing.sized(surface, options, progress)?;
         let is_allowed = options.limits.expect_memory(best.surface.undivided().triangles, prepared.count).is_ok();
-        if prepared.count > (MOST_RAISED * prepared.sizing.count).max(ALWAYS_ALLOWED) || !is_allowed {
+        if prepared.count > most_raised(prepared.sizing.count) || !is_allowed {
             break;
+        }
+        let is_counted = matches!(options.fineness, Fineness::Points(_));
+        if is_counted && best.meshed.wrong() > 0 && prepared.count >= RAISED * prepared.sizing.count {
+            return Ok(Some(prepared.count));
         }
         let (corrected, next) = attempt(prepared, options, backend, clock)?;
         let times = best.times_with(&next);
@@ -89,7 +94,12 @@ pub(super) fn improve(
             break;
         }
     }
-    Ok(())
+    Ok(None)
+}
+
+/// The most vertices of a mesh for which so many are asked for.
+pub(super) fn most_raised(asked: usize) -> usize {
+    (MOST_RAISED * asked).max(ALWAYS_ALLOWED)
 }
 
 /// Whether it is worth to make a large mesh again.
@@ -120,13 +130,6 @@ pub(super) fn wrong(faults: &Faults, differences: &[Difference]) -> usize {
 }
 
 impl Outcome {
-    /// The number of vertices, where it is far more than the number that is asked for and there are faults still.
-    pub(super) fn raised_in_vain(&self, options: &Options) -> Option<usize> {
-        let found = self.meshed.mesh.points.len();
-        let is_raised = matches!(options.fineness, Fineness::Points(asked) if found >= RAISED * asked);
-        (is_raised && self.meshed.wrong() > 0 && !self.meshed.is_hopeless()).then_some(found)
-    }
-
     /// The times of both, stage by stage.
     pub(super) fn times_with(&self, other: &Self) -> Vec<(Stage, Duration)> {
         zip(&self.times, &other.times).map(|(spent, more)| (spent.0, spent.1 + more.1)).collect()
