@@ -1,4 +1,4 @@
-//! Parts thinner than the tiles that are asked for: tips of needles, and walls.
+//! Parts thinner than the tiles that are asked for: tips of needles, walls, and teeth.
 
 use quadmosaic::parametrize::Rows;
 use quadmosaic::{Fineness, Mesher, Options, Outcome, Soup};
@@ -75,4 +75,33 @@ fn a_thin_wall_has_the_vertices_that_it_needs_however_few_are_asked_for() {
     }
     let thinnest = meshed(&pipe(1e-4), &Options::new(Fineness::Points(150)));
     assert!(faults(&thinnest) > 0, "no wall is too thin");
+}
+
+/// A flat gear of radius 1.
+fn gear(teeth: u32, depth: f64, height: f64) -> Soup {
+    let tooth = [(0.0, 1.0 - depth), (0.35, 1.0 - depth), (0.5, 1.0), (0.85, 1.0)];
+    let angle = |tooth: u32, share: f64| TAU * (f64::from(tooth) + share) / f64::from(teeth);
+    let places = (0..teeth).flat_map(|i| tooth.map(|(share, radius)| (angle(i, share), radius)));
+    let outline: Vec<[f64; 2]> = places.map(|(angle, radius)| [radius * angle.cos(), radius * angle.sin()]).collect();
+    let at = |height: f64| outline.iter().map(move |&[x, y]| [x, y, height]);
+    let points = at(0.0).chain(at(height)).chain([[0.0; 3], [0.0, 0.0, height]]).collect();
+    let count = outline.len() as u32;
+    let sectors = (0..count).flat_map(|a| {
+        let b = (a + 1) % count;
+        [[a, b, count + b], [a, count + b, count + a], [2 * count, b, a], [2 * count + 1, count + a, count + b]]
+    });
+    Soup::new(points, sectors.collect())
+}
+
+#[test]
+fn a_mesh_that_needs_far_more_vertices_is_made_anew_for_their_number() {
+    let soup = gear(40, 0.03, 0.1);
+    let mesh = |points| meshed(&soup, &Options::new(Fineness::Points(points)));
+    let few = mesh(30);
+    let needed = few.mosaic.wanted;
+    assert_eq!(faults(&few), 0);
+    assert!(needed >= 60, "{needed} vertices are wanted");
+    assert_eq!(few.meshed.mesh, mesh(needed).meshed.mesh, "the mesh for 30 is not that for {needed}");
+    assert_ne!(few.meshed.mesh, mesh(needed + 10).meshed.mesh, "meshes do not depend on the number");
+    assert_eq!(mesh(60).mosaic.wanted, 60, "the number is raised where that is not needed");
 }
