@@ -3,8 +3,8 @@
 //! # Theory
 //! A face is inverted where its normal points against the sheet that it lies on: the triangle of the surface nearest to its
 //! middle. Several triangles can be equally near, beside an edge: none of them may oppose the face. A wall perpendicular to the
-//! face does not count as one that does, nor do two sheets that lie on each other, at one place; a face that has nothing but such a
-//! wall is mended all the same. No search is needed where the sheets at all corners are known and agree, which is the usual case. A
+//! face does not count as one that does, nor do two sheets that lie on each other, at one place; a face that has such a wall nearest
+//! to it is mended all the same, as roundings decide how it is judged. No search is needed where the sheets at all corners are known and agree, which is the usual case. A
 //! surface that was smoothed or coarsened differs from the given one, whose triangles decide in the end.
 //!
 //! # Practice
@@ -236,13 +236,13 @@ mod tests {
 
     #[test]
     fn beside_an_edge_no_nearest_triangle_may_oppose_a_face() {
-        // The wall below the floor's edge leans outwards, or inwards under the floor.
+        // The wall below the floor's edge leans outwards, stands perpendicular, or leans inwards under the floor.
         let wall = |x: f64| {
             let points =
                 [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [x, 0.0, -1.0], [x, 1.0, -1.0]];
             surface(points.to_vec(), vec![[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])
         };
-        for (foot, is_inverted) in [(1.3, false), (0.7, true)] {
+        for (foot, standing) in [(1.3, Standing::Along), (1.0, Standing::Perpendicular), (0.7, Standing::Against)] {
             let surface = wall(foot);
             let mut orientation = Orientation::new(&surface);
             let at = |x: f64, y: f64| DVec3::from(surface.frame().to_unit([x, y, 0.0]));
@@ -252,6 +252,8 @@ mod tests {
             orientation.let_nearest_decide([at(0.1, 0.3)].into_iter(), 0.1);
             assert!(!orientation.is_inverted(&face, [[0; 2]; 4].into_iter()), "its middle is far from there");
             orientation.let_nearest_decide([middle(&face)].into_iter(), 0.1);
+            assert_eq!(orientation.standing(&face, [[0; 2]; 4].into_iter()), standing, "the foot at {foot}");
+            let is_inverted = standing != Standing::Along;
             assert_eq!(orientation.is_inverted(&face, [[0; 2]; 4].into_iter()), is_inverted, "the foot at {foot}");
         }
     }

@@ -514,7 +514,7 @@ mod tests {
             [[2.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.1], [2.0, 0.0, 0.1]].map(|p| [p, [p[0], 1.0, p[2]]]);
         let surface = surface(points.concat(), &[[0, 2, 3, 1], [2, 4, 5, 3], [4, 6, 7, 5]]);
         let mut context = Context::new(&surface);
-        let mut mesh = Mesh::new(vec![[0.05, 0.2, 0.0], [0.05, 0.2, 0.1], [0.05, 0.8, 0.1], [0.05, 0.8, 0.0]]);
+        let mut mesh = Mesh::new(vec![[0.03, 0.2, 0.0], [0.03, 0.2, 0.1], [0.03, 0.8, 0.1], [0.03, 0.8, 0.0]]);
         mesh.push_face(&[0, 1, 2, 3]);
         let mesh = SurfaceMesh::of(&context, &mesh);
         assert!(mesh.faults(&context).is_empty());

@@ -16,9 +16,10 @@ const BACK: f32 = -0.98;
 /// How a face stands on the triangles nearest to its middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Standing {
-    /// None of them points against it, and one agrees with it; or it lies between two sheets at one place, or has no area.
+    /// All of them agree with it; or it lies between two sheets at one place, or has no area.
     Along,
-    /// All of them are perpendicular to it: it crosses a step half-way, and roundings decide whether they point against it.
+    /// One of them is perpendicular to it, none points against it: it crosses a step half-way, or its middle lies beyond a rim. Roundings
+    /// decide whether that one points against it.
     Perpendicular,
     /// One of them points against it.
     Against,
@@ -95,10 +96,11 @@ impl<'a> SheetTree<'a> {
                     && !self.share_an_edge(triangle, other)
             })
         };
-        let best = near().map(|&(.., triangle)| cosine(triangle)).fold(f64::NEG_INFINITY, f64::max);
-        if near().any(|&(_, at, triangle)| cosine(triangle) < -AGAINST && !has_back(at, triangle)) {
+        let is_one_below =
+            |most: f64| near().any(|&(_, at, triangle)| cosine(triangle) < most && !has_back(at, triangle));
+        if is_one_below(-AGAINST) {
             Standing::Against
-        } else if (-AGAINST..=AGREES).contains(&best) {
+        } else if is_one_below(AGREES) {
             Standing::Perpendicular
         } else {
             Standing::Along
