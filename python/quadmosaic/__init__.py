@@ -11,6 +11,7 @@ import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, Optional, TypeVar, Union
 
 import numpy as np
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     import trimesh
 
 __all__ = ["Cancelled", "MeshWarning", "Result", "Surface", "SurfaceError", "example", "load", "mesh", "save"]
+
+__version__ = version("quadmosaic")
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -64,6 +67,9 @@ class Surface:
     """Numbers of the corners of triangles by name: (3 k,) or (3 k, c), the corners of a triangle one after the other. A file has
     TCoords here where they jump at seams."""
 
+    def __repr__(self) -> str:
+        return f"Surface({len(self.vertices)} vertices, {len(self.triangles)} triangles)"
+
 
 @dataclass(frozen=True)
 class Result:
@@ -95,7 +101,11 @@ class Result:
     polygons, those of a face one after the other. A name is in attributes too."""
     report: dict[str, Any]
     """The figures that the command line writes by --report."""
-    _meshed: _native.Meshed = field(repr=False, compare=False)
+    _meshed: _native.Meshed = field(compare=False)
+
+    def __repr__(self) -> str:
+        polygons = f", {len(self.polygons)} polygons" if self.polygons else ""
+        return f"Result({len(self.vertices)} vertices, {len(self.quads)} quads, {len(self.triangles)} triangles{polygons})"
 
     def to_pyvista(self) -> pyvista.PolyData:
         """The mesh as pyvista.PolyData, with the arrays region, kind and source, and the attributes of vertices."""
@@ -269,7 +279,7 @@ def load(path: Path, *, format: Optional[str] = None) -> Surface:
 
 
 def example(name: str, triangles: int = 20_000) -> Surface:
-    """An example surface of about so many triangles: m6, torus, sphere, plate or block."""
+    """An example surface of about so many triangles: m6, torus, sphere, plate, block or flange."""
     return _surface(_native.example(name, triangles))
 
 

@@ -513,9 +513,19 @@ def test_holes_can_be_left_as_polygons() -> None:
     assert len(result.regions) == len(result.quads) + len(result.triangles) + len(result.polygons)
 
 
+def test_sizes_stand_for_arrays() -> None:
+    surface = quadmosaic.example("torus", 2_000)
+    assert repr(surface) == f"Surface({len(surface.vertices)} vertices, {len(surface.triangles)} triangles)"
+    for holes in ("patterns", "leave"):
+        result = mesh(surface.vertices, surface.triangles, 500, holes=holes, no_cleanup=True, smoothing=0)
+        sizes = f"{len(result.vertices)} vertices, {len(result.quads)} quads, {len(result.triangles)} triangles"
+        polygons = f", {len(result.polygons)} polygons" if holes == "leave" else ""
+        assert repr(result) == f"Result({sizes}{polygons})"
+
+
 def test_the_command_line_is_there() -> None:
     done = command("--version")
-    assert done.returncode == 0 and done.stdout.startswith("quadmosaic ")
+    assert done.returncode == 0 and done.stdout.strip() == f"quadmosaic {quadmosaic.__version__}"
     assert command("mesh").returncode == 2
     done = command("mesh", "none.stl", "-o", "out.obj")
     assert done.returncode == 1 and done.stderr.startswith("error: there is no file none.stl")
