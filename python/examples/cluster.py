@@ -82,7 +82,10 @@ def parsed(description: Optional[str], scheduler: str) -> argparse.Namespace:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="any option of quadmosaic.mesh")
     parser.add_argument("--scheduler", help=scheduler)
     parser.add_argument("--workers", type=int, default=2, help="workers on this machine, without --scheduler")
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    if not arguments.surfaces and arguments.list is None:
+        parser.error("there is no surface: name some, or a --list of them")
+    return arguments
 
 
 def jobs(arguments: argparse.Namespace) -> list[tuple[str, str, dict[str, Any]]]:

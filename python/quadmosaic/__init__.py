@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, Optional, TypeVar, Union
+from typing import TYPE_CHECKING, Any, NoReturn, Optional, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -48,7 +48,7 @@ class MeshWarning(UserWarning):
     """What a user should know of a result."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Surface:
     """Triangles of a file."""
 
@@ -71,7 +71,7 @@ class Surface:
         return f"Surface({len(self.vertices)} vertices, {len(self.triangles)} triangles)"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Result:
     """A finished mesh."""
 
@@ -101,11 +101,14 @@ class Result:
     polygons, those of a face one after the other. A name is in attributes too."""
     report: dict[str, Any]
     """The figures that the command line writes by --report."""
-    _meshed: _native.Meshed = field(compare=False)
+    _meshed: _native.Meshed
 
     def __repr__(self) -> str:
         polygons = f", {len(self.polygons)} polygons" if self.polygons else ""
         return f"Result({len(self.vertices)} vertices, {len(self.quads)} quads, {len(self.triangles)} triangles{polygons})"
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a Result cannot be pickled: return its arrays to another process, or save it and return the path")
 
     def to_pyvista(self) -> pyvista.PolyData:
         """The mesh as pyvista.PolyData, with the arrays region, kind and source, and the attributes of vertices."""

@@ -48,6 +48,8 @@ def test_dask_meshes_all_surfaces_but_the_one_that_fails(tmp_path: Path) -> None
         result = quadmosaic.mesh(quadmosaic.example(example, int(triangles)), points=200, backend="cpu", quads="all")
         quadmosaic.save(alone, result)
         assert Path(row["mesh"]).read_bytes() == alone.read_bytes() and int(row["vertices"]) == len(result.vertices)
+    done = run(sys.executable, script, "-o", str(output))
+    assert done.returncode == 2 and "there is no surface" in done.stderr
     # Without the two that fail it is a success.
     done = run(sys.executable, script, surfaces[0], "--points", "200", "-o", str(output))
     assert done.returncode == 0 and len(table(output / "results.csv")) == 1, done.stderr

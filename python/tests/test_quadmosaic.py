@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -521,6 +522,16 @@ def test_sizes_stand_for_arrays() -> None:
         sizes = f"{len(result.vertices)} vertices, {len(result.quads)} quads, {len(result.triangles)} triangles"
         polygons = f", {len(result.polygons)} polygons" if holes == "leave" else ""
         assert repr(result) == f"Result({sizes}{polygons})"
+
+
+def test_objects_are_compared_by_identity_and_a_result_says_why_it_is_not_pickled() -> None:
+    surface = quadmosaic.example("torus", 1_000)
+    result = mesh(surface.vertices, surface.triangles, 200)
+    again = mesh(surface.vertices, surface.triangles, 200)
+    assert result == result != again and surface == surface != quadmosaic.example("torus", 1_000)
+    assert (pickle.loads(pickle.dumps(surface)).vertices == surface.vertices).all()
+    with pytest.raises(TypeError, match="save it and return the path"):
+        pickle.dumps(result)
 
 
 def test_the_command_line_is_there() -> None:
