@@ -239,7 +239,7 @@ fn arrays(py: Python<'_>, soup: Soup) -> PyResult<Arrays<'_>> {
 #[pyfunction]
 fn load<'py>(py: Python<'py>, path: PathBuf, format: Option<&str>) -> PyResult<(Arrays<'py>, Vec<String>)> {
     let format = format.map(str::parse).transpose().map_err(of_value)?;
-    let mut soup = py.detach(|| loading::read_as(&path, format)).map_err(of_load)?;
+    let mut soup = py.detach(|| run::on_threads(0, || loading::read_as(&path, format)))?.map_err(of_load)?;
     let left_out = std::mem::take(&mut soup.attributes.left_out);
     Ok((arrays(py, soup)?, left_out))
 }
@@ -254,7 +254,7 @@ fn example<'py>(py: Python<'py>, name: &str, triangles: usize) -> PyResult<Array
             "invalid value '{triangles}' for triangles: ask for {least} to {most} triangles"
         )));
     }
-    arrays(py, py.detach(|| example.generate(triangles)))
+    arrays(py, py.detach(|| run::on_threads(0, || example.generate(triangles)))?)
 }
 
 /// Writes triangles to a file; the answer is a warning.
@@ -285,7 +285,7 @@ fn written(
     attributes: &Attributes,
     write: impl FnOnce() -> Result<(), WriteError> + Send,
 ) -> PyResult<Option<String>> {
-    py.detach(write).map_err(error::of_write)?;
+    py.detach(|| run::on_threads(0, write))?.map_err(error::of_write)?;
     Ok(of_attributes(attributes, format, &path.display().to_string()))
 }
 

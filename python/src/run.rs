@@ -9,17 +9,29 @@ use quadmosaic::{Mesher, PipelineError};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::thread;
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
+use std::{process, thread};
 
 /// The time between two looks at the signals.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// The meshers that were made, by backend and adapter: a process makes each once.
+/// The meshers that were made, by process, backend and adapter: a process makes each once, as a forked one has no device of a GPU.
 static MESHERS: Mutex<BTreeMap<Key, Arc<Mesher>>> = Mutex::new(BTreeMap::new());
 
-type Key = (String, Option<String>);
+type Key = (u32, String, Option<String>);
+
+/// The first process that used the common threads. One that is forked from it has none of them, and would wait for them for ever.
+static OWNER: OnceLock<u32> = OnceLock::new();
+
+/// Does work on so many threads, 0: on the common ones, or on as many of its own in a forked process.
+pub fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    if count == 0 && *OWNER.get_or_init(process::id) == process::id() {
+        return Ok(work());
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+    Ok(pool.map_err(|error| PyRuntimeError::new_err(error.to_string()))?.install(work))
+}
 
 /// The backend, the adapter and the number of threads.
 #[derive(FromPyObject)]
@@ -31,7 +43,7 @@ impl Machine {
         let Self(backend, adapter, _) = self;
         py.detach(|| {
             let mut meshers = MESHERS.lock().unwrap_or_else(PoisonError::into_inner);
-            let key = (backend.clone(), adapter.clone());
+            let key = (process::id(), backend.clone(), adapter.clone());
             if let Some(mesher) = meshers.get(&key) {
                 return Ok(mesher.clone());
             }
@@ -58,11 +70,7 @@ impl Machine {
         let threads = &self.2;
         let count = options::threads(threads);
         let count = count.map_err(|fault| of_value(format!("invalid value '{threads}' for threads: {fault}")))?;
-        if count == 0 {
-            return Ok(work());
-        }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
-        Ok(pool.map_err(|error| PyRuntimeError::new_err(error.to_string()))?.install(work))
+        on_threads(count, work)
     }
 }
 

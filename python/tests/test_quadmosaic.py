@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import multiprocessing
 import os
 import pickle
 import signal
@@ -490,6 +491,28 @@ def test_threads_share_a_backend_and_get_the_same_mesh() -> None:
     for thread in threads:
         thread.join()
     assert len(found) == 4 and all(np.array_equal(other.vertices, alone.vertices) for other in found)
+
+
+def mesh_and_save(queue: Any, path: Path) -> None:
+    result = mesh(*torus(60, 30), 3_000)
+    quadmosaic.save(path, result)
+    queue.put(len(result.vertices))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no process can be forked here")
+def test_a_forked_process_has_threads_of_its_own(tmp_path: Path) -> None:
+    result = mesh(*torus(60, 30), 3_000)
+    quadmosaic.save(tmp_path / "parent.obj", result)
+    forked = multiprocessing.get_context("fork")
+    queue = forked.Queue()
+    child = forked.Process(target=mesh_and_save, args=(queue, tmp_path / "child.obj"))
+    child.start()
+    try:
+        assert queue.get(timeout=60) == len(result.vertices)
+    finally:
+        child.kill()
+    child.join()
+    assert (tmp_path / "child.obj").read_bytes() == (tmp_path / "parent.obj").read_bytes()
 
 
 def test_other_packages_take_the_mesh() -> None:
