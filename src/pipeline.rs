@@ -52,7 +52,6 @@ use crate::progress::{Cancelled, Progress};
 use crate::sizes::{SizeOptions, Sizes};
 use crate::surface::{FeatureOptions, KeptBoundary, NamedEdge, RepairOptions, Soup, Surface};
 use crate::symmetry::Symmetry;
-use std::mem::swap;
 use std::time::Duration;
 
 pub use crate::progress::{Late, Stage, Watch, unwatched};
@@ -229,21 +228,21 @@ fn run_watched(
     backend: &dyn Backend,
     progress: &Progress,
 ) -> Result<Outcome, PipelineError> {
+    let most = if let Fineness::Points(asked) = options.fineness { most_raised(asked) } else { 0 };
     let (mut best, mut raised) = made(soup, options, backend, progress)?;
-    while let Some(count) = raised.filter(|_| best.meshed.wrong() > 0 && !progress.is_cancelled()) {
+    while let Some(count) = raised.filter(|&count| count <= most) {
         // The features, the noise and the thin parts were those that tiles of the asked count see, which are far larger.
         let finer = Options { fineness: Fineness::Points(count), ..options.clone() };
-        let (mut other, more) = match made(soup, &finer, backend, progress) {
+        let (other, more) = match made(soup, &finer, backend, progress) {
             Err(PipelineError::Limit(_)) => break,
             Err(PipelineError::Cancelled(_)) if progress.late().is_some() => break,
             done => done?,
         };
-        raised = more.filter(|more| matches!(options.fineness, Fineness::Points(asked) if *more <= most_raised(asked)));
         let times = best.times_with(&other);
         if other.meshed.wrong() < best.meshed.wrong() {
-            swap(&mut best, &mut other);
+            best = other;
         }
-        best.times = times;
+        (best.times, raised) = (times, more);
     }
     Ok(best)
 }
